@@ -175,6 +175,18 @@ int print_help(const std::string& text, bool json) {
     return 0;
 }
 
+/// Prints the usage of the program, of a subcommand, or the help of a command of the prompt. Throws
+/// RequestError (usage) with the nearest name if there is no such subcommand or command.
+int print_usage(const CLI::App& app, const std::vector<std::string>& words) {
+    const auto told = app.get_subcommands(
+        [&](const CLI::App* each) { return !words.empty() && each->check_name(words.front()); });
+    if (!words.empty() && told.empty()) {
+        return print_help("help " + words.front(), false);
+    }
+    fmt::print("{}", told.empty() ? app.help() : told.front()->help());
+    return 0;
+}
+
 ScriptOptions script_options(const Flags& flags) {
     return {.json = flags.json, .keep_going = flags.keep_going, .strict = flags.strict};
 }
@@ -363,16 +375,18 @@ int main(int argc, char** argv) {
     flags.serve.job.words.assign(argv + std::min(argc, 2), argv + argc);
     const std::function<std::optional<int>()> run_sessions = declare_sessions(app);
     const std::function<std::optional<int>()> run_inspection = inspect::declare_inspection(app);
-    if (argc < 2 || std::string_view(argv[1]) == "help") {
-        fmt::print("{}", app.help());
-        return finish_output(0);
-    }
+    const bool wants_usage = argc < 2 || std::string_view(argv[1]) == "help";
     try {
-        app.parse(argc, argv);
+        if (!wants_usage) {
+            app.parse(argc, argv);
+        }
     } catch (const CLI::ParseError& error) {
         return finish_output(report_parse_error(app, error));
     }
     try {
+        if (wants_usage) {
+            return finish_output(print_usage(app, {argv + std::min(argc, 2), argv + argc}));
+        }
         std::optional<int> done = run_sessions();
         done = done ? done : run_inspection();
         return finish_output(done ? *done : dispatch(app, flags));

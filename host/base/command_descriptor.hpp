@@ -115,8 +115,10 @@ const C& find_in(std::span<const C> table, std::string_view name) {
     }
     std::vector<std::string_view> names;
     std::ranges::transform(table, std::back_inserter(names), &C::name);
-    refuse_command("there is no command '" + std::string(name) + "'" + did_you_mean(name, names) +
-                   "; 'help' lists the commands");
+    const std::string guess = did_you_mean(name, names);
+    refuse_command(
+        "there is no command '" + std::string(name) + "'" + guess +
+        (guess.ends_with('?') ? " 'help' lists the commands" : "; 'help' lists the commands"));
 }
 
 /// `help`: usage and help of all commands; everything about one if it is named.

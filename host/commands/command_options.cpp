@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/session/transfer/scene_transfer.hpp"
 
@@ -201,6 +202,23 @@ bool takes_fit(const RenderRequest& request, std::vector<Arguments>& commands) {
 
 }  // namespace
 
+bool is_pair_in_one(const std::string& path) {
+    return suffix_of(path) == ".jps";
+}
+
+bool is_pair_in_two(const std::string& path) {
+    return suffix_of(path) == ".mpo";
+}
+
+void check_eyes(std::string_view command, const std::string& path, bool is_stereo) {
+    if (!is_stereo && (is_pair_in_one(path) || is_pair_in_two(path))) {
+        refuse_command(
+            fmt::format("{}: {} holds a picture for each eye, but stereo is off. "
+                        "Type `stereo sbs` first, or write a .png. For pxpl5 render: --stereo sbs",
+                        command, path));
+    }
+}
+
 std::vector<Arguments> render_commands(const RenderRequest& request, CommandTable table) {
     std::vector<Arguments> named = request.commands;
     name_surfaces(request, named);
@@ -227,6 +245,9 @@ std::vector<Arguments> render_commands(const RenderRequest& request, CommandTabl
     for (const Arguments& each : all) {
         check_arguments(find_command(each.name, table), each);
     }
+    const auto chosen = std::ranges::find(all, "stereo", &Arguments::name);
+    check_eyes("render", request.output,
+               chosen != all.end() && !chosen->words.empty() && chosen->words.front() != "off");
     return all;
 }
 

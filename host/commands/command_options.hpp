@@ -46,6 +46,12 @@ class CommandOptions {
 /// Throws RequestError (usage).
 Arguments command_of_option(const Command& command, const std::string& value);
 
+/// Whether the file has a picture for each eye, in one picture (.jps) or in two (.mpo).
+bool is_pair_in_one(const std::string& path);
+bool is_pair_in_two(const std::string& path);
+/// Throws RequestError (usage) if the file has a picture for each eye, but stereo is off.
+void check_eyes(std::string_view command, const std::string& path, bool is_stereo);
+
 /// Adds the words KEY=VALUE to the options of a command. Throws RequestError (usage).
 void add_key_values(const std::vector<std::string>& words, Arguments& arguments);
 

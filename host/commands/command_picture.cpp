@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "host/base/error.hpp"
-#include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
+#include "host/commands/command_options.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/session/transfer/detail.hpp"
 
@@ -106,14 +106,6 @@ Fields to_fields(const Spread& spread) {
     return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
 }
 
-/// Whether the file has a picture for each eye, in one (.jps) or in two (.mpo).
-bool is_pair_in_one(const std::string& path) {
-    return suffix_of(path) == ".jps";
-}
-bool is_pair_in_two(const std::string& path) {
-    return suffix_of(path) == ".mpo";
-}
-
 /// The settings of one picture. The scene has its own again afterwards.
 class OnePicture {
   public:
@@ -124,13 +116,8 @@ class OnePicture {
           overlay_(scene.overlay),
           mode_(scene.stereo.mode) {
         const std::string& path = arguments.words[0];
+        check_eyes(arguments.name, path, mode_ != StereoMode::off);
         const bool is_pair = is_pair_in_one(path) || is_pair_in_two(path);
-        if (is_pair && mode_ == StereoMode::off) {
-            refuse_command(fmt::format(
-                "{}: {} holds a picture for each eye, but stereo is off. "
-                "Type `stereo sbs` first, or write a .png. For pxpl5 render: --stereo sbs",
-                arguments.name, path));
-        }
         const Size size = arguments.has("size")
                               ? parse_size(arguments.text("size", ""), 1, max_user_picture_px)
                               : size_;

@@ -127,11 +127,23 @@ class Cli(unittest.TestCase):
                 (["run", "--set", "gps=2"], "did you mean 'gp.count'?"),
                 (["info", ""], "the name of the volume is empty"),
                 (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
-                (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off")):
+                (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off"),
+                (["help", "snapsot"], "did you mean 'snapshot'? 'help' lists the commands"),
+                (["render", "phantom:sphere", "-o", "x.jps"],
+                 "render: x.jps holds a picture for each eye, but stereo is off"),
+                (["render", "phantom:sphere", "--stereo", "off", "-o", "x.MPO"],
+                 "render: x.MPO holds a picture for each eye, but stereo is off")):
             done = self.pxpl5(*arguments, machine=False)
             self.assertEqual(done.returncode, 64, (arguments, done))
             self.assertIn(text, done.stderr, arguments)
         self.assertIn("Usage: pxpl5 [OPTIONS]", self.pxpl5(machine=False).stdout)
+
+    def test_help_tells_of_the_program_a_subcommand_or_a_command(self):
+        for words, text in (((), "Usage: pxpl5 [OPTIONS]"), (("render",), "Usage: render"),
+                            (("snapshot",), "snapshot FILE")):
+            done = self.pxpl5("help", *words, machine=False)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), done)
+            self.assertIn(text, done.stdout)
 
     def test_the_certificate_of_no_triangles_warns(self):
         done = self.pxpl5("run", "--json", "-c",
