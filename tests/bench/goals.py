@@ -66,6 +66,12 @@ GOALS: List[Goal] = [goal for key in KEYS for goal in _by_load(key)] + [
 ]
 
 
+# Of two views with depths, and of depths alone, against one view: stereo.py.
+GOALS += [Goal(f"{row}_ratio/default/{size}/{scene}", True, 1, limit)
+          for row, limit in (("pair_depths", 2.2), ("view_depths", 1.08))
+          for size in (SMALL, "1024x1024") for scene in ("pelvis", "chest")]
+
+
 class Verdict(NamedTuple):
     goal: Goal
     value: float

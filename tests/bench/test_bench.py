@@ -23,6 +23,7 @@ import measure  # noqa: E402
 import processes  # noqa: E402
 import scaling  # noqa: E402
 import session  # noqa: E402
+import stereo  # noqa: E402
 import volume_file  # noqa: E402
 
 
@@ -68,7 +69,8 @@ class Goals(unittest.TestCase):
         names = [goal.figure for goal in goals.GOALS]
         for work, count in (("extraction_ms/", 6), ("frames_per_s/default/512x512/", 10),
                             ("frames_per_s/default/1280x1024/", 5), ("isovalue_picture_ms/", 5),
-                            ("frames_per_s/paper-1993/", 5), ("first_picture_s/", 2)):
+                            ("frames_per_s/paper-1993/", 5), ("first_picture_s/", 2),
+                            ("view_depths_ratio/default/", 4), ("pair_depths_ratio/default/", 4)):
             self.assertEqual(sum(name.startswith(work) for name in names), count, work)
         for name in ("view_picture_ms/default/512x512/skin", "triangles_8px_per_s",
                      "end_of_region_us", "memory_mib/paper-1993", "flight_ratio/default"):
@@ -196,6 +198,31 @@ class Answers(unittest.TestCase):
     def test_a_sphere_goes_through_the_corners_of_the_volume(self):
         info = {"dims": [3, 5, 1], "spacing_mm": [3, 2, 9], "origin_mm": [10, 0, 0]}
         self.assertEqual(compare.sphere_around(info), [13, 4, 0, 5])
+
+
+class Stereo(unittest.TestCase):
+    # Everything takes twice as long in the second round.
+    SAMPLES = {row: {"wall_ms": [ms, 2 * ms], "cpu_ms": [3 * ms + 1, 6 * ms + 2]} for row, ms in
+               (("view", 10), ("view_depths", 11), ("pair", 20), ("pair_depths", 22), ("lean", 1),
+                ("pack", 0.5), ("jpeg", 0.2))}
+
+    def test_ratios_are_taken_within_a_round_and_named_as_the_goals_are(self):
+        named = stereo.figures_of(self.SAMPLES, "default/512x512/pelvis")
+        self.assertEqual(named["view_depths_ratio/default/512x512/pelvis"], 1.1)
+        self.assertEqual(named["pair_depths_ratio/default/512x512/pelvis"], 2.2)
+        self.assertEqual(named["pair_cpu_ratio/default/512x512/pelvis"], 1.968)
+        self.assertEqual([verdict.met for verdict in goals.judge(named)], [True, False])
+
+    def test_the_table_has_a_row_for_each_way_and_each_work_of_the_server(self):
+        lines = stereo.table_of(self.SAMPLES).splitlines()[2:]
+        self.assertEqual([line.split(" | ")[0] for line in lines],
+                         ["| " + name for _, name in stereo.ROWS])
+        self.assertEqual(lines[1], "| one view, depths | 16.50 | 51.00 | 1.100 | 1.097 |")
+
+    def test_a_folder_without_the_chest_is_refused_and_phantoms_need_none(self):
+        self.assertEqual([scene.key for scene in stereo.scenes_of("phantoms")], ["pelvis"])
+        with self.assertRaisesRegex(session.MeasureError, "/nowhere/ct/torso.*: not there"):
+            stereo.scenes_of("/nowhere")
 
 
 class Processes(unittest.TestCase):
