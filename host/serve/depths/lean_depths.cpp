@@ -6,66 +6,76 @@
 #include <stdexcept>
 
 #include "host/serve/depths/depth_word.hpp"
+#include "host/serve/depths/lean_cells.hpp"
 #include "host/serve/depths/lean_seams.hpp"
 #include "isa/contract/depth.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
 
-constexpr std::uint32_t nothing = UINT32_MAX;  ///< Farther than every depth.
-
 std::size_t index_of(int value) {
     return static_cast<std::size_t>(value);
-}
-
-/// The nearest depth of some pixels.
-void take_nearer(std::uint32_t& least, std::uint32_t word) {
-    if (shows_surface(word)) {
-        least = std::min(least, depth_of(word));
-    }
-}
-
-/// The nearest depth of the surfaces in each cell, with a border of empty cells around.
-std::vector<std::uint32_t> nearest_of_cells(int width, int height, int columns, int rows,
-                                            std::span<const std::uint32_t> depths) {
-    const std::size_t across = index_of(columns) + 1;
-    std::vector<std::uint32_t> nearest(across * (index_of(rows) + 1), nothing);
-    const std::uint32_t* word = depths.data();
-    for (int y = 0; y < height; ++y) {
-        std::uint32_t* const cells = &nearest[index_of(y / lean_cell_px + 1) * across + 1];
-        for (int x = 0; x < width; ++x) {
-            take_nearer(cells[x / lean_cell_px], *word++);
-        }
-    }
-    return nearest;
 }
 
 /// The nearest depth in the four pixels that touch the corner.
 std::uint32_t nearest_at(int width, int height, int column, int row,
                          std::span<const std::uint32_t> depths) {
-    std::uint32_t least = nothing;
+    std::uint32_t least = no_depth;
     for (int y = std::max(0, row * lean_cell_px - 1); y <= std::min(height - 1, row * lean_cell_px);
          ++y) {
         for (int x = std::max(0, column * lean_cell_px - 1);
              x <= std::min(width - 1, column * lean_cell_px); ++x) {
-            take_nearer(least, depths[index_of(y) * index_of(width) + index_of(x)]);
+            const std::uint32_t word = depths[index_of(y) * index_of(width) + index_of(x)];
+            least = std::min(least, shows_surface(word) ? depth_of(word) : no_depth);
         }
     }
     return least;
 }
 
-std::vector<std::uint8_t> mask_of(int width, int height, std::span<const std::uint32_t> depths) {
-    const std::size_t row_bytes = mask_row_bytes(width);
-    std::vector<std::uint8_t> mask(row_bytes * index_of(height));
-    const std::uint32_t* word = depths.data();
-    for (int y = 0; y < height; ++y) {
-        std::uint8_t* const row = &mask[index_of(y) * row_bytes];
-        for (int x = 0; x < width; ++x) {
-            const unsigned bit = shows_surface(*word++) ? 1U : 0U;
-            row[x / 8] = static_cast<std::uint8_t>(row[x / 8] | bit << (x % 8));
+/// The depths of all corners, 24 bits; no_depth where no cell around shows a surface.
+std::vector<std::uint32_t> corner_depths(const LeanDepths& lean,
+                                         std::span<const CoveredCell> covered,
+                                         std::span<const std::uint32_t> depths) {
+    const std::size_t columns = index_of(lean.columns);
+    std::vector<std::uint32_t> found(columns * index_of(lean.rows), no_depth);
+    for (const CoveredCell& each : covered) {
+        for (const std::size_t at : {each.corner + 0UL, each.corner + columns}) {
+            found[at] = std::min(found[at], each.range.nearest);
+            found[at + 1] = std::min(found[at + 1], each.range.nearest);
         }
     }
-    return mask;
+    std::size_t at = 0;
+    for (int row = 0; row < lean.rows; ++row) {
+        for (int column = 0; column < lean.columns; ++column, ++at) {
+            if (found[at] != no_depth) {
+                const std::uint32_t touching =
+                    nearest_at(lean.width, lean.height, column, row, depths);
+                found[at] = touching != no_depth ? touching : found[at];
+            }
+        }
+    }
+    return found;
+}
+
+/// Depths that differ by less have lean depths that differ by less than seam_depth.
+constexpr auto least_seam =
+    static_cast<std::uint32_t>((seam_depth - 2) * isa::depth_span / max_lean);
+
+/// The cells whose pixels and corners differ by least_seam or more, in order.
+std::vector<std::uint32_t> steep_cells(const LeanDepths& lean, std::span<const CoveredCell> covered,
+                                       std::span<const std::uint32_t> corners) {
+    std::vector<std::uint32_t> steep;
+    for (const CoveredCell& each : covered) {
+        DepthRange range = each.range;
+        for (const std::size_t at : {each.corner + 0UL, each.corner + index_of(lean.columns)}) {
+            range.add(corners[at]);
+            range.add(corners[at + 1]);
+        }
+        if (range.farthest - range.nearest >= least_seam) {
+            steep.push_back(each.cell);
+        }
+    }
+    return steep;
 }
 
 }  // namespace
@@ -98,24 +108,14 @@ LeanDepths lean_depths(int width, int height, std::span<const std::uint32_t> dep
     lean.height = height;
     lean.columns = (width + lean_cell_px - 1) / lean_cell_px + 1;
     lean.rows = (height + lean_cell_px - 1) / lean_cell_px + 1;
-    lean.mask = mask_of(width, height, depths);
-    const std::vector<std::uint32_t> cells =
-        nearest_of_cells(width, height, lean.columns, lean.rows, depths);
-    const std::size_t across = index_of(lean.columns) + 1;
-    lean.corners.reserve(index_of(lean.columns) * index_of(lean.rows));
-    for (int row = 0; row < lean.rows; ++row) {
-        for (int column = 0; column < lean.columns; ++column) {
-            // The four cells around the corner: up and left of it, and so on.
-            const std::uint32_t* const around = &cells[index_of(row) * across + index_of(column)];
-            const std::uint32_t in_cells =
-                std::min({around[0], around[1], around[across], around[across + 1]});
-            const std::uint32_t touching =
-                in_cells == nothing ? nothing : nearest_at(width, height, column, row, depths);
-            const std::uint32_t nearest = touching != nothing ? touching : in_cells;
-            lean.corners.push_back(nearest == nothing ? std::uint16_t{0} : lean_of(nearest));
-        }
+    lean.mask.resize(mask_row_bytes(width) * index_of(height));
+    const std::vector<CoveredCell> covered = find_covered(lean, depths);
+    const std::vector<std::uint32_t> corners = corner_depths(lean, covered, depths);
+    lean.corners.reserve(corners.size());
+    for (const std::uint32_t corner : corners) {
+        lean.corners.push_back(corner == no_depth ? std::uint16_t{0} : lean_of(corner));
     }
-    lean.seams = find_seams(lean, depths);
+    lean.seams = find_seams(lean, depths, steep_cells(lean, covered, corners));
     return lean;
 }
 

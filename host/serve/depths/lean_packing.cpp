@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -11,9 +12,13 @@ namespace pxpl5::host::serve {
 namespace {
 
 constexpr int half_range = (max_lean + 1) / 2;
-constexpr int level = 1;              ///< A third of the time of level 6, a sixth more bytes.
+constexpr std::size_t seam_bytes = 18;  ///< Before they are deflated: pixels, and eight depths.
+constexpr int level = 1;
 constexpr int raw_window_bits = -15;  ///< Negative: no header and no checksum.
-constexpr int memory_level = 9;
+constexpr int memory_level = 8;
+/// Most bytes repeat the byte before. Compared with Z_DEFAULT_STRATEGY at this level, depths of CTs
+/// take a fifth fewer bytes and two thirds of the time.
+constexpr int strategy = Z_RLE;
 
 /// A difference in 12 bits, the sign lowest. More than half of the range wraps.
 std::uint32_t folded(int difference) {
@@ -21,81 +26,74 @@ std::uint32_t folded(int difference) {
     return static_cast<std::uint32_t>(wrapped < 0 ? -2 * wrapped - 1 : 2 * wrapped);
 }
 
-/// Predicts each corner from its neighbors, and writes what differs.
-class Differences {
+/// Values as their low bytes, and then their high bytes, behind other bytes.
+class Planes {
   public:
-    explicit Differences(const LeanDepths& lean)
-        : lean_(lean), above_(static_cast<std::size_t>(lean.columns)), row_(above_) {}
-
-    /// The differences of the next row of corners.
-    template <typename Put>
-    void next_row(std::size_t row, const Put& put) {
-        std::swap(above_, row_);
-        int left = 0, upper_left = 0;
-        for (std::size_t column = 0; column < row_.size(); ++column) {
-            const int up = row == 0 ? 0 : above_[column];
-            const int predicted = std::clamp(left + up - upper_left, 1, int{max_lean});
-            const int corner = lean_.corners[row * row_.size() + column];
-            const int value = corner == 0 ? predicted : corner;
-            put(folded(value - predicted));
-            row_[column] = value;
-            left = value;
-            upper_left = up;
-        }
+    Planes(std::vector<std::uint8_t>& bytes, std::size_t count)
+        : first_(bytes.size()), count_(count), bytes_(bytes) {
+        bytes.resize(first_ + 2 * count);
+    }
+    void set(std::size_t at, std::uint32_t value) {
+        bytes_[first_ + at] = static_cast<std::uint8_t>(value);
+        bytes_[first_ + count_ + at] = static_cast<std::uint8_t>(value >> 8U);
     }
 
   private:
-    const LeanDepths& lean_;
-    std::vector<int> above_, row_;
+    std::size_t first_, count_;
+    std::vector<std::uint8_t>& bytes_;
 };
 
-/// Low bytes of values, then their high bytes.
-void add_planes(std::vector<std::uint8_t>& bytes, const std::vector<std::uint32_t>& values) {
-    for (const unsigned shift : {0U, 8U}) {
-        for (const std::uint32_t value : values) {
-            bytes.push_back(static_cast<std::uint8_t>(value >> shift));
+/// Predicts each corner from its neighbors, and adds what differs.
+void add_corners(std::vector<std::uint8_t>& bytes, const LeanDepths& lean) {
+    Planes planes(bytes, lean.corners.size());
+    const auto columns = static_cast<std::size_t>(lean.columns);
+    std::vector<int> above(columns);  // Of the row before; from there on, of this row.
+    std::size_t at = 0;
+    for (int row = 0; row < lean.rows; ++row) {
+        int left = 0, upper_left = 0;
+        for (int& up : above) {
+            const int predicted = std::clamp(left + up - upper_left, 1, int{max_lean});
+            const int corner = lean.corners[at];
+            left = corner == 0 ? predicted : corner;
+            planes.set(at++, folded(left - predicted));
+            upper_left = std::exchange(up, left);
         }
     }
-}
-
-void add_corners(std::vector<std::uint8_t>& bytes, const LeanDepths& lean) {
-    std::vector<std::uint32_t> values;
-    values.reserve(lean.corners.size());
-    Differences differences(lean);
-    for (std::size_t row = 0; row < static_cast<std::size_t>(lean.rows); ++row) {
-        differences.next_row(row, [&](std::uint32_t folded) { values.push_back(folded); });
-    }
-    add_planes(bytes, values);
 }
 
 void add_seams(std::vector<std::uint8_t>& bytes, const LeanDepths& lean) {
     const std::size_t first = bytes.size();
     bytes.resize(first + (lean.cell_count() + 7) / 8);
-    std::vector<std::uint32_t> pixels;
-    std::array<std::vector<std::uint32_t>, 8> depths;  // Four of `near`, four of `far`.
     for (const Seam& seam : lean.seams) {
         std::uint8_t& byte = bytes[first + seam.cell / 8];
         byte = static_cast<std::uint8_t>(byte | 1U << (seam.cell % 8));
-        pixels.push_back(seam.near_pixels);
-        const std::array<std::uint16_t, 4> corners = lean.corners_of(seam.cell);
-        for (std::size_t k = 0; k < corners.size(); ++k) {
-            depths[k].push_back(folded(seam.near[k] - corners[k]));
-            depths[4 + k].push_back(folded(seam.far[k] - corners[k]));
-        }
     }
-    add_planes(bytes, pixels);
-    for (const std::vector<std::uint32_t>& each : depths) {
-        add_planes(bytes, each);
+    const auto add = [&](auto value_of) {
+        Planes planes(bytes, lean.seams.size());
+        for (std::size_t at = 0; at < lean.seams.size(); ++at) {
+            planes.set(at, value_of(lean.seams[at]));
+        }
+    };
+    add([](const Seam& seam) { return std::uint32_t{seam.near_pixels}; });
+    for (const auto depths : {&Seam::near, &Seam::far}) {
+        for (std::size_t corner = 0; corner < 4; ++corner) {
+            add([&](const Seam& seam) {
+                return folded((seam.*depths)[corner] - lean.corners_of(seam.cell)[corner]);
+            });
+        }
     }
 }
 
 /// The bytes before they are deflated.
 std::vector<std::uint8_t> plain_bytes(const LeanDepths& lean) {
     const std::size_t row_bytes = mask_row_bytes(lean.width);
-    std::vector<std::uint8_t> bytes = lean.mask;
-    for (std::size_t at = bytes.size(); at-- > row_bytes;) {
-        bytes[at] ^= lean.mask[at - row_bytes];
-    }
+    std::vector<std::uint8_t> bytes;
+    bytes.reserve(lean.mask.size() + 2 * lean.corners.size() + lean.cell_count() / 8 + 1 +
+                  seam_bytes * lean.seams.size());
+    bytes = lean.mask;
+    std::transform(lean.mask.begin() + static_cast<std::ptrdiff_t>(row_bytes), lean.mask.end(),
+                   lean.mask.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(row_bytes),
+                   std::bit_xor<>());
     add_corners(bytes, lean);
     add_seams(bytes, lean);
     return bytes;
@@ -106,8 +104,7 @@ std::vector<std::uint8_t> plain_bytes(const LeanDepths& lean) {
 std::string packed(const LeanDepths& lean) {
     std::vector<std::uint8_t> plain = plain_bytes(lean);
     z_stream stream{};
-    if (deflateInit2(&stream, level, Z_DEFLATED, raw_window_bits, memory_level,
-                     Z_DEFAULT_STRATEGY) != Z_OK) {
+    if (deflateInit2(&stream, level, Z_DEFLATED, raw_window_bits, memory_level, strategy) != Z_OK) {
         throw std::runtime_error("cannot pack the depths of a picture: zlib has no memory");
     }
     std::string bytes(deflateBound(&stream, plain.size()), '\0');

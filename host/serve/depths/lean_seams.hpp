@@ -11,6 +11,8 @@ namespace pxpl5::host::serve {
 /// or that of the closest pixel of the surface if the picture's corner lies on another surface.
 ///
 /// depths  As for lean_depths().
-std::vector<Seam> find_seams(const LeanDepths& lean, std::span<const std::uint32_t> depths);
+/// cells   Those that may be seams, in order. Each shows a surface.
+std::vector<Seam> find_seams(const LeanDepths& lean, std::span<const std::uint32_t> depths,
+                             std::span<const std::uint32_t> cells);
 
 }  // namespace pxpl5::host::serve
