@@ -1,18 +1,38 @@
-// How fast the viewer follows a person, measured in the page: `viewer.js [--seconds N]`, through
-// tests/browser/run_test.sh. Prints a table; fails on no time.
+// How fast the viewer follows a person, measured in the page, through tests/browser/run_test.sh:
+//
+//     viewer.js [--seconds N] [--size 512x512] [--volume PATH [--load OPTION].. --surface LINE..]
+//
+// The volume is phantom:pelvis, or PATH with the options of `load` and surfaces that the command
+// `surface` takes: --surface 'bone iso=150'. Prints a table; fails on no time, but if the picture
+// at rest is another one without warp.
+import assert from 'node:assert/strict';
+import { existsSync } from 'node:fs';
+import { parseArgs } from 'node:util';
 import { launchBrowser, openPage, serve } from '../browser/harness.js';
 import { browserProcesses, cpuSeconds, treeOf } from '../browser/processes.js';
 import { evaluate, forget, record } from '../browser/recorder.js';
-import { after, middleOf, settled, unfold } from '../browser/steps.js';
+import { after, middleOf, rawSocket, say, settled, unfold } from '../browser/steps.js';
 
-const PICTURE = '512x512';
 const SWING_PX = 60;         // A drag goes so far to both sides.
 const SWING_S = 2;           // And takes so long there and back.
 const REST_MS = 500;         // After the last input the newest state must be shown, lossless.
 const CORES_PERCENT = 100;
-const GOALS = { surfaces: 10, frames: 25, latency: 120 };
+// The last two are those of a surface that is turned with warp.
+const GOALS = { surfaces: 10, frames: 25, latency: 120, changes: 30, pointer: 40 };
+const PHANTOM = 'phantom:pelvis';
 
-const seconds = Number(/--seconds[ =](\d+)/.exec(process.argv.slice(2).join(' '))?.[1] ?? 10);
+const { values: options } = parseArgs({ options: {
+  seconds: { type: 'string', default: '10' },
+  size: { type: 'string', default: '512x512' },
+  volume: { type: 'string', default: PHANTOM },
+  load: { type: 'string', multiple: true, default: [] },
+  surface: { type: 'string', multiple: true, default: [] },
+} });
+const seconds = Number(options.seconds);
+if (!(seconds > 0)) throw new Error(`--seconds is above 0; it is ${options.seconds}`);
+if (options.volume !== PHANTOM && !existsSync(options.volume)) {
+  throw new Error(`--volume: ${options.volume}: no such file`);
+}
 
 /** @param {number[]} samples */
 function quantile(samples, share) {
@@ -58,34 +78,73 @@ async function measure(page, server, at, way) {
   return { ...drag, serverCpu, browserCpu };
 }
 
-const server = await serve('phantom:pelvis');
+/** In the page: the picture at rest, as the machine sent it and as the canvas has it. */
+async function atRest() {
+  const canvas = document.querySelector('[data-testid=frame]');
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  const hash = new Uint8Array(await crypto.subtle.digest('SHA-256', data));
+  const { digest, warp } = globalThis.pxpl5;
+  return { digest, pixels: [...hash].map(byte => byte.toString(16).padStart(2, '0')).join(''),
+           warped: warp.warped };
+}
+
+const server = await serve(options.volume, ...options.load);
 const browser = await launchBrowser();
 const { page, close } = await openPage(browser, server.url, { script: record });
 await settled(page);
-await page.getByTestId('size-menu').selectOption(PICTURE);
-await page.waitForFunction(size => globalThis.pxpl5.state.size.join('x') === size, PICTURE);
+const raw = await rawSocket(page, server.url);
+
+/** Does a command, and waits until its picture has settled. */
+async function done(line) {
+  await after(page, async () => {
+    const reply = await say(raw, line);
+    if (!reply.ok) throw new Error(`${line}: ${reply.error}`);
+  });
+}
+
+await page.getByTestId('size-menu').selectOption(options.size);
+await page.waitForFunction(size => globalThis.pxpl5.state.size.join('x') === size, options.size);
 await settled(page);
 
 const rows = {};
-const grip = await middleOf(page.getByTestId('handle-bone').locator('.reach'));
-rows['threshold dragged'] = await measure(page, server, grip, { x: 1, y: 0 });
 const turned = async () => measure(page, server, await middleOf(page.getByTestId('stage')),
                                    { x: 2, y: 0.5 });
-rows['view turned'] = await turned();
-// Without the transparent skin, the page follows the pointer between two pictures.
+if (options.volume === PHANTOM) {
+  const grip = await middleOf(page.getByTestId('handle-bone').locator('.reach'));
+  rows['threshold dragged'] = await measure(page, server, grip, { x: 1, y: 0 });
+  rows['view turned'] = await turned();
+  await done('surface skin visible=no');
+} else {
+  const surfaces = () => page.evaluate(() => globalThis.pxpl5.state.surfaces);
+  for (const line of options.surface) await done(`surface ${line}`);
+  const wanted = options.surface.map(line => line.split(' ')[0]);
+  for (const { name } of await surfaces()) {
+    if (wanted.length > 0 && !wanted.includes(name)) await done(`remove ${name}`);
+  }
+}
+// Without a transparent surface, the page follows the pointer between two pictures.
+const surface = await page.evaluate(() =>
+  globalThis.pxpl5.state.surfaces.find(({ visible }) => visible));
 await unfold(page);
-await after(page, () => page.getByTestId('surface-visible-skin').uncheck());
-rows['bone turned'] = await turned();
+const subject = options.volume === PHANTOM ? surface.name : 'surfaces';
+rows[`${subject} turned`] = await turned();
+const withWarp = await page.evaluate(atRest);
 await page.getByTestId('warp-switch').uncheck();
-rows['bone turned, warp off'] = await turned();
+await done(`surface ${surface.name} visible=no`);
+await done(`surface ${surface.name} visible=yes`);
+const without = await page.evaluate(atRest);
+rows[`${subject} turned, warp off`] = await turned();
 
-console.log(`phantom:pelvis, ${PICTURE}, ${seconds} s each; CPU in percent of one core`);
-console.log('| | new pictures/s | frames/s | input to picture ms: median | 95 % | ' +
-  `pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | CPU server | ` +
-  'CPU browser |');
-console.log('|---|---|---|---|---|---|---|---|---|---|---|');
+const triangles = await page.evaluate(() => globalThis.pxpl5.state.surfaces
+  .filter(({ visible }) => visible).map(({ triangles }) => triangles ?? NaN));
+console.log(`${[options.volume, ...options.load].join(' ')}, ${options.size}, ` +
+  `${triangles.join(' + ')} triangles, ${seconds} s each; CPU in percent of one core`);
+console.log('| | new pictures/s | frames/s | canvas changes/s | input to picture ms: median | ' +
+  `95 % | pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | ` +
+  'CPU server | CPU browser |');
+console.log('|---|---|---|---|---|---|---|---|---|---|---|---|');
 for (const [name, row] of Object.entries(rows)) {
-  const numbers = [row.states / row.seconds, row.frames / row.seconds,
+  const numbers = [row.states / row.seconds, row.frames / row.seconds, row.changes / row.seconds,
                   quantile(row.latency_ms, 0.5), quantile(row.latency_ms, 0.95),
                   quantile(row.pointer_ms, 0.5), quantile(row.pointer_ms, 0.95)];
   const cells = numbers.map(each => Number.isNaN(each) ? '-' : each.toFixed(1));
@@ -93,7 +152,9 @@ for (const [name, row] of Object.entries(rows)) {
                   row.serverCpu.toFixed(0), row.browserCpu.toFixed(0)].join(' | ')} |`);
 }
 console.log(`goals: ${GOALS.surfaces} surfaces/s, ${GOALS.frames} frames/s, median ` +
-  `${GOALS.latency} ms`);
+  `${GOALS.latency} ms; with warp ${GOALS.changes} canvas changes/s, pointer to screen median ` +
+  `${GOALS.pointer} ms`);
+console.log(`at rest: digest ${withWarp.digest} with warp, ${without.digest} without`);
 
 await close();
 await browser.close();
@@ -102,3 +163,5 @@ if (how.code !== 0) throw new Error(`pxpl5 serve ended with ${how.code}: ${how.e
 if (Object.values(rows).some(row => row.latency_ms.length === 0)) {
   throw new Error('a drag showed nothing: there is nothing to measure');
 }
+assert.deepEqual(withWarp, without, 'the picture at rest with warp, and without');
+assert.equal(without.warped, false);

@@ -3,7 +3,7 @@
 /** Runs in the page before its own code: begins to record into `globalThis.recorded`. */
 export function record() {
   const now = () => performance.now();
-  const recorded = { inputs: [], sent: [], replies: new Map(), frames: [] };
+  const recorded = { inputs: [], sent: [], replies: new Map(), frames: [], changes: [] };
   globalThis.recorded = recorded;
   const Plain = globalThis.WebSocket;
   globalThis.WebSocket = class extends Plain {
@@ -24,8 +24,12 @@ export function record() {
   addEventListener('pointermove', event => {
     if (event.buttons !== 0) recorded.inputs.push(event.timeStamp);
   }, { capture: true });
+  let before = '';
   const look = () => {
-    const { frames, revision } = globalThis.pxpl5 ?? { frames: 0 };
+    const { frames, revision, warp } = globalThis.pxpl5 ?? { frames: 0 };
+    const shown = `${frames} ${warp?.draws}`;
+    if (shown !== before) recorded.changes.push(now());
+    before = shown;
     if (frames > (recorded.frames.at(-1)?.frames ?? 0)) {
       recorded.frames.push({ frames, revision, at: now() });
     }
@@ -37,7 +41,7 @@ export function record() {
 /** Runs in the page: forgets what was recorded. */
 export function forget() {
   const { recorded } = globalThis;
-  recorded.inputs.length = recorded.sent.length = recorded.frames.length = 0;
+  for (const list of ['inputs', 'sent', 'frames', 'changes']) recorded[list].length = 0;
   recorded.replies.clear();
 }
 
@@ -45,11 +49,13 @@ export function forget() {
  * Runs in the page: what the inputs led to. An input is displayed by the first frame that shows the
  * revision which the first line sent after it led to: that line says what the input wished, or what
  * a newer one did.
- * @returns {{seconds: number, frames: number, states: number, latency_ms: number[]}} `states`:
- *   different revisions that were shown between the first and the last input
+ * @returns {{seconds: number, frames: number, changes: number, states: number,
+ *   latency_ms: number[]}} all between the first and the last input. `frames`: pictures of the
+ *   machine that were shown; `changes`: refreshes of the screen with a new picture of the machine
+ *   or a new warped picture; `states`: different revisions that were shown
  */
 export function evaluate() {
-  const { inputs, sent, replies, frames } = globalThis.recorded;
+  const { inputs, sent, replies, frames, changes } = globalThis.recorded;
   const [first, last] = [inputs[0], inputs.at(-1)];
   const within = frames.filter(({ at }) => at >= first && at <= last);
   const latency_ms = inputs.flatMap(at => {
@@ -60,5 +66,6 @@ export function evaluate() {
     return frame ? [frame.at - at] : [];
   });
   return { seconds: (last - first) / 1000, frames: within.length,
+         changes: changes.filter(at => at >= first && at <= last).length,
          states: new Set(within.map(({ revision }) => revision)).size, latency_ms };
 }
