@@ -60,8 +60,8 @@ export async function unpack(packed, width, height) {
       + 'server.');
   }
   const mask = bytes.slice(0, maskBytes);
-  for (let at = maskRowBytes(width); at < maskBytes; ++at) {
-    mask[at] ^= mask[at - maskRowBytes(width)];
+  for (let above = 0, at = maskRowBytes(width); at < maskBytes; ++above, ++at) {
+    mask[at] ^= mask[above];
   }
   const corners = undone(bytes.subarray(maskBytes, maskBytes + count),
     bytes.subarray(maskBytes + count, seamsAt), columns);
@@ -77,19 +77,20 @@ export async function unpack(packed, width, height) {
 function setBits(bytes) {
   /** @type {number[]} */
   const found = [];
-  bytes.forEach((byte, at) => {
+  for (let at = 0; at < bytes.length; ++at) {
+    const byte = bytes[at];
     for (let bit = 0; byte >> bit !== 0; ++bit) {
       if (byte >> bit & 1) {
         found.push(8 * at + bit);
       }
     }
-  });
+  }
   return found;
 }
 
 /** @param {number} folded  A difference whose sign is in bit 0. */
 function unfolded(folded) {
-  return folded & 1 ? -(folded + 1) / 2 : folded / 2;
+  return folded >> 1 ^ -(folded & 1);
 }
 
 /**
@@ -104,10 +105,11 @@ function seamsOf(cells, bytes, corners, columns) {
   return cells.map((cell, at) => {
     const value = (/** @type {number} */ plane) =>
       bytes[2 * plane * count + at] | bytes[(2 * plane + 1) * count + at] << 8;
-    const corner = cornerOf(cell, columns);
-    const depths = (/** @type {number} */ first) =>
-      [corner, corner + 1, corner + columns, corner + columns + 1].map((each, k) =>
-        corners[each] + unfolded(value(first + k)) & MAX_LEAN);
+    const corner = cornerOf(cell, columns), below = corner + columns;
+    const depth = (/** @type {number} */ at, /** @type {number} */ plane) =>
+      corners[at] + unfolded(value(plane)) & MAX_LEAN;
+    const depths = (/** @type {number} */ first) => [depth(corner, first),
+      depth(corner + 1, first + 1), depth(below, first + 2), depth(below + 1, first + 3)];
     return {cell, near_pixels: value(0), near: depths(1), far: depths(5)};
   });
 }
@@ -129,12 +131,16 @@ export function cornerOf(cell, columns) {
  */
 function undone(low, high, columns) {
   const corners = new Uint16Array(low.length);
-  for (let at = 0; at < corners.length; ++at) {
-    const isFirst = at % columns === 0;
-    const left = isFirst ? 0 : corners[at - 1], up = at < columns ? 0 : corners[at - columns];
-    const upperLeft = isFirst || at < columns ? 0 : corners[at - columns - 1];
-    const predicted = Math.max(1, Math.min(MAX_LEAN, left + up - upperLeft));
-    corners[at] = predicted + unfolded(low[at] | high[at] << 8) & MAX_LEAN;
+  for (let at = 0; at < corners.length;) {
+    // The row above the first row, and the column at the left of the first column, are 0.
+    let left = 0, upperLeft = 0;
+    for (const end = at + columns; at < end; ++at) {
+      const up = at < columns ? 0 : corners[at - columns];
+      const predicted = Math.max(1, Math.min(MAX_LEAN, left + up - upperLeft));
+      left = predicted + unfolded(low[at] | high[at] << 8) & MAX_LEAN;
+      corners[at] = left;
+      upperLeft = up;
+    }
   }
   return corners;
 }
