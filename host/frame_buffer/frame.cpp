@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::uint32_t full_alpha = 0xff000000;
 
-/// Copies one region into its place, cropped to the view, each word as `change` makes it.
-template <typename Change>
+/// Copies one region into its place, cropped to the view, and calls `finish` with each row there.
+template <typename Finish>
 void copy_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
-                 std::span<std::uint32_t> picture, const Change& change) {
+                 std::span<std::uint32_t> picture, const Finish& finish) {
     assert(region >= 0 && region < shape.regions());
     assert(tile.size() == region_pixels);
     assert(picture.size() == shape.pixels());
@@ -31,7 +31,8 @@ void copy_region(const FrameShape& shape, int region, std::span<const std::uint3
         std::uint32_t* to =
             picture.data() +
             static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
-        std::transform(from, from + width, to, change);
+        std::copy_n(from, width, to);  // Quicker than a copy that changes the words.
+        finish(std::span(to, static_cast<std::size_t>(width)));
     }
 }
 
@@ -64,12 +65,16 @@ std::optional<std::size_t> Frame::own_region(std::size_t region) const {
 
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> picture) {
-    copy_region(shape, region, tile, picture, [](std::uint32_t p) { return p | full_alpha; });
+    copy_region(shape, region, tile, picture, [](std::span<std::uint32_t> row) {
+        for (std::uint32_t& pixel : row) {
+            pixel |= full_alpha;
+        }
+    });
 }
 
 void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> depths) {
-    copy_region(shape, region, tile, depths, [](std::uint32_t d) { return d; });
+    copy_region(shape, region, tile, depths, [](std::span<std::uint32_t>) {});
 }
 
 }  // namespace pxpl5::host

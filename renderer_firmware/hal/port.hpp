@@ -23,6 +23,9 @@ class Port {
     std::span<const std::uint32_t> rows() const { return rows_; }
 
   private:
+    /// The place of the upper left pixel of a block.
+    std::uint32_t* row_of(std::size_t block) const;
+
     alignas(64) std::array<std::uint32_t, region_pixels> own_{};
     std::span<std::uint32_t> rows_ = own_;
 };
