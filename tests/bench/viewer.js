@@ -139,14 +139,14 @@ const triangles = await page.evaluate(() => globalThis.pxpl5.state.surfaces
   .filter(({ visible }) => visible).map(({ triangles }) => triangles ?? NaN));
 console.log(`${[options.volume, ...options.load].join(' ')}, ${options.size}, ` +
   `${triangles.join(' + ')} triangles, ${seconds} s each; CPU in percent of one core`);
-console.log('| | new pictures/s | frames/s | canvas changes/s | input to picture ms: median | ' +
-  `95 % | pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | ` +
+console.log('| | inputs/s | new pictures/s | frames/s | canvas changes/s | ' +
+  `input to picture ms: median | 95 % | pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | ` +
   'CPU server | CPU browser |');
-console.log('|---|---|---|---|---|---|---|---|---|---|---|---|');
+console.log('|---|---|---|---|---|---|---|---|---|---|---|---|---|');
 for (const [name, row] of Object.entries(rows)) {
-  const numbers = [row.states / row.seconds, row.frames / row.seconds, row.changes / row.seconds,
-                  quantile(row.latency_ms, 0.5), quantile(row.latency_ms, 0.95),
-                  quantile(row.pointer_ms, 0.5), quantile(row.pointer_ms, 0.95)];
+  const numbers = [row.inputs, row.states, row.frames, row.changes].map(each => each / row.seconds);
+  numbers.push(quantile(row.latency_ms, 0.5), quantile(row.latency_ms, 0.95),
+               quantile(row.pointer_ms, 0.5), quantile(row.pointer_ms, 0.95));
   const cells = numbers.map(each => Number.isNaN(each) ? '-' : each.toFixed(1));
   console.log(`| ${[name, ...cells, row.isNewest ? 'yes' : 'no', row.isLossless ? 'yes' : 'no',
                   row.serverCpu.toFixed(0), row.browserCpu.toFixed(0)].join(' | ')} |`);

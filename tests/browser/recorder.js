@@ -49,7 +49,7 @@ export function forget() {
  * Runs in the page: what the inputs led to. An input is displayed by the first frame that shows the
  * revision which the first line sent after it led to: that line says what the input wished, or what
  * a newer one did.
- * @returns {{seconds: number, frames: number, changes: number, states: number,
+ * @returns {{seconds: number, inputs: number, frames: number, changes: number, states: number,
  *   latency_ms: number[]}} all between the first and the last input. `frames`: pictures of the
  *   machine that were shown; `changes`: refreshes of the screen with a new picture of the machine
  *   or a new warped picture; `states`: different revisions that were shown
@@ -65,7 +65,7 @@ export function evaluate() {
       each.revision >= revision);
     return frame ? [frame.at - at] : [];
   });
-  return { seconds: (last - first) / 1000, frames: within.length,
+  return { seconds: (last - first) / 1000, inputs: inputs.length, frames: within.length,
          changes: changes.filter(at => at >= first && at <= last).length,
          states: new Set(within.map(({ revision }) => revision)).size, latency_ms };
 }
