@@ -140,8 +140,8 @@ const triangles = await page.evaluate(() => globalThis.pxpl5.state.surfaces
 console.log(`${[options.volume, ...options.load].join(' ')}, ${options.size}, ` +
   `${triangles.join(' + ')} triangles, ${seconds} s each; CPU in percent of one core`);
 console.log('| | inputs/s | new pictures/s | frames/s | canvas changes/s | ' +
-  `input to picture ms: median | 95 % | pointer to screen ms: median | 95 % | newest after ${REST_MS} ms | lossless | ` +
-  'CPU server | CPU browser |');
+  'input to picture ms: median | 95 % | pointer to screen ms: median | 95 % | ' +
+  `newest after ${REST_MS} ms | lossless | CPU server | CPU browser |`);
 console.log('|---|---|---|---|---|---|---|---|---|---|---|---|---|');
 for (const [name, row] of Object.entries(rows)) {
   const numbers = [row.inputs, row.states, row.frames, row.changes].map(each => each / row.seconds);
