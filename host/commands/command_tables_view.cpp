@@ -11,7 +11,8 @@ namespace {
 constexpr Words gaps_off = {"gaps", "off"};
 
 constexpr double min_eyes_mm = 0.001, max_eyes_mm = 100'000;
-constexpr std::array<std::string_view, 5> stereo_modes{"off", "anaglyph", "sbs", "cross", "rows"};
+constexpr std::array<std::string_view, 6> stereo_modes{"off",   "anaglyph", "sbs",
+                                                       "cross", "rows",     "headset"};
 
 constexpr Parameter x_word{"X", "X", "pixel from the left of the picture"};
 constexpr Parameter y_word{"Y", "Y", "pixel from the top of the picture"};
@@ -123,8 +124,9 @@ std::vector<Command> drawing_commands() {
         {{.name = "stereo",
           .help = "Draws each picture for both eyes; without a word, prints the choice. 'anaglyph' "
                   "is for red and cyan glasses, 'sbs' has the left eye's picture at the left, "
-                  "'cross' at the right, 'rows' is for 3-D monitors with alternate rows. 'size' "
-                  "is that of one eye's picture. Pixels of pick, measure and why are those of the "
+                  "'cross' at the right, 'rows' is for 3-D monitors with alternate rows. "
+                  "'headset' says how to look with a headset, and changes nothing. 'size' is that "
+                  "of one eye's picture. Pixels of pick, measure and why are those of the "
                   "whole picture; of an anaglyph they mean the left eye.",
           .words = {choice_value("MODE", stereo_modes, "")},
           .options = {number_value("separation", "MM", min_eyes_mm, max_eyes_mm,

@@ -245,8 +245,13 @@ Reply run_detail(Session& session, const Arguments& arguments) {
 Reply run_stereo(Session& session, const Arguments& arguments) {
     Stereo& stereo = session.scene.stereo;
     if (!arguments.words.empty()) {
-        stereo = {*find_stereo(arguments.words[0]), arguments.number("separation", 0),
-                  arguments.number("convergence", 0)};
+        const std::optional<StereoMode> mode = find_stereo(arguments.words[0]);
+        if (!mode) {  // The only other word of the table.
+            refuse_command(
+                "stereo: a headset is no mode of the pictures. Its eyes follow the head: open the "
+                "page of `pxpl5 serve` in the headset's browser and press the headset button");
+        }
+        stereo = {*mode, arguments.number("separation", 0), arguments.number("convergence", 0)};
     } else if (!arguments.options.empty()) {
         refuse_command("stereo: options need a mode, for example: stereo anaglyph separation=30");
     }

@@ -48,6 +48,11 @@ EyePlaces eye_places(const Stereo& stereo, const Camera& camera, const Subject& 
 /// asymmetric, so that no point has a vertical parallax.
 std::vector<CameraMatrices> eye_matrices(const CameraMatrices& middle, const EyePlaces& places);
 
+/// Two eyes that no camera of a scene determines, as those of a headset.
+struct Eyes {
+    CameraMatrices left, right;
+};
+
 /// The size of a pair as one picture.
 ///
 /// eye  Size of the picture of one eye.

@@ -40,11 +40,11 @@ void add_pass(const WholeFrame& done, FrameReport& report) {
     }
 }
 
-/// The picture of a frame, of which two views become one picture without depths.
+/// The picture of a frame: its views one over the other, or composed, without depths.
 Picture picture_of(const WholeFrame& done, StereoMode stereo) {
-    if (done.views == 1) {
+    if (done.views == 1 || stereo == StereoMode::off) {
         return {done.view.width,
-                done.view.height,
+                done.view.height * done.views,
                 {done.pixels.begin(), done.pixels.end()},
                 {done.depths.begin(), done.depths.end()}};
     }
@@ -90,7 +90,7 @@ Stage Frames::stage(const Scene& scene) const {
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
                      bool counts) {
     if (pass.sample == 0) {
-        picture_costs_ = region_costs_;
+        picture_costs_ = region_costs_.at(stage.cameras.size() - 1);
         picture_started_ns_ = now_ns();
     }
     const bus::Payload message =
@@ -147,7 +147,7 @@ void Frames::finish(Pending frame) {
         counted->region_renderers = done.region_renderers;
     }
     last_.elapsed_ms = ms_since(frame.started_ns);
-    region_costs_ = done.region_cycles;
+    region_costs_.at(static_cast<std::size_t>(done.views) - 1) = done.region_cycles;
 }
 
 void Frames::abandon() {
@@ -159,7 +159,7 @@ void Frames::abandon() {
 void Frames::forget_content() {
     abandon();
     announced_.reset();
-    region_costs_.clear();
+    region_costs_ = {};
 }
 
 void Frames::wait_until_pending(std::size_t count) {
@@ -229,6 +229,18 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
         request(scene_, stage(scene_), read, pass);
     }
     wait_until_pending(0);
+    return take_oldest();
+}
+
+Picture Frames::draw_pair(const Eyes& eyes, const Moving& how) {
+    drop_ahead();
+    Scene scene = scene_;
+    scene.size = how.size;
+    scene.detail = {false, how.detail};
+    scene.stereo = {};
+    Stage seen = stage(scene);
+    seen.cameras = {eyes.left, eyes.right};
+    request(scene, seen, ReadBack::pixels_and_depths);
     return take_oldest();
 }
 

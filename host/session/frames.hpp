@@ -1,6 +1,7 @@
 // Frames of the scene: requested, at most two in flight, and taken in order.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -61,6 +62,12 @@ class Frames {
   public:
     Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes);
 
+    /// A picture that is drawn while something moves.
+    struct Moving {
+        Size size;
+        int detail = 0;
+    };
+
     /// Draws the scene with its number of samples per pixel.
     Picture draw();
     /// Draws the scene with 1, 4 or 16 samples per pixel (sample_offset()), two passes at a time.
@@ -70,6 +77,13 @@ class Frames {
     /// Renderers have no room for the sums: see max_samples().
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {},
                                         ReadBack read_back = ReadBack::pixels);
+    /// Draws the scene as two given eyes see it, with one sample and with depths. The scene's
+    /// camera, size, detail and stereo mode have no part in it. Returns one picture of the width of
+    /// an eye: the left eye's picture over the right eye's. Drops a frame that was requested ahead.
+    /// Throws RequestError (failed) as drawing does.
+    ///
+    /// how  Size of one eye's picture, and the detail.
+    Picture draw_pair(const Eyes& eyes, const Moving& how);
     /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
@@ -79,11 +93,6 @@ class Frames {
     using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
     OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight);
 
-    /// A picture that is drawn while something moves.
-    struct Moving {
-        Size size;
-        int detail = 0;
-    };
     /// Announces that the next new surface is drawn once it is extracted, in this way and with one
     /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
     /// frame.
@@ -167,8 +176,9 @@ class Frames {
     std::optional<Ahead> ahead_;
     std::deque<Pending> pending_;
     std::deque<Picture> finished_;
-    std::vector<CountedFrame> counted_;         ///< Being drawn.
-    std::vector<std::uint64_t> region_costs_;   ///< Costs of the newest frame's regions.
+    std::vector<CountedFrame> counted_;  ///< Being drawn.
+    /// Costs of the regions of the newest frame with one view, and with two.
+    std::array<std::vector<std::uint64_t>, 2> region_costs_;
     std::vector<std::uint64_t> picture_costs_;  ///< Costs that the newest picture is shared by.
     std::int64_t picture_started_ns_ = 0;
     FrameReport last_;

@@ -2,8 +2,10 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <glm/geometric.hpp>
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <vector>
 
@@ -225,4 +227,107 @@ TEST_CASE("both eyes see a picked point at its place") {
     }
     CHECK(points > 20);
     CHECK(again > points * 3 / 4);
+}
+
+namespace {
+
+/// The half of a pair that one eye sees.
+Pixels half(const Pixels& pair, std::size_t eye) {
+    const auto pixels = static_cast<std::ptrdiff_t>(pair.size() / 2);
+    const auto begin = pair.begin() + static_cast<std::ptrdiff_t>(eye) * pixels;
+    return {begin, begin + pixels};
+}
+
+/// Eyes that no stereo mode has: turned towards each other and rolled, with frusta that differ.
+Eyes crooked_eyes(Session& session) {
+    const std::vector<CameraMatrices> straight =
+        cameras_of(session.scene, session.frames.subject());
+    Eyes eyes{straight.front(), straight.front()};
+    const glm::dvec3 up(0, 1, 0), ahead(0, 0, 1);
+    eyes.left.patient_to_eye =
+        glm::rotate(glm::translate(glm::dmat4(1), {31, 4, 0}), 0.1, up) * eyes.left.patient_to_eye;
+    eyes.right.patient_to_eye =
+        glm::rotate(glm::translate(glm::dmat4(1), {-31, 9, 12}), 0.2, ahead) *
+        eyes.right.patient_to_eye;
+    eyes.left.projection[2][0] = 0.17;
+    eyes.right.projection[2][1] = -0.11;
+    eyes.right.projection[0][0] *= 0.8;
+    return eyes;
+}
+
+}  // namespace
+
+TEST_CASE("each eye of given matrices is its picture alone, with depths, on any machine") {
+    LettersBench bench(2, 3);
+    const Eyes eyes = crooked_eyes(bench.session);
+    const Frames::Moving how{{120, 90}, 0};
+    const Scene before = bench.session.scene;
+    const Picture pair = bench.session.frames.draw_pair(eyes, how);
+    REQUIRE(pair.width == 120);
+    REQUIRE(pair.height == 180);
+    REQUIRE(pair.depths.size() == pair.rgba.size());
+    CHECK(bench.session.scene.size == before.size);
+    CHECK(half(pair.rgba, 0) != half(pair.rgba, 1));
+    CHECK(half(pair.depths, 0) != half(pair.depths, 1));
+
+    LettersBench one(1, 1), lone(1, 1);
+    for (const std::size_t eye : {0U, 1U}) {
+        const CameraMatrices& own = eye == 0 ? eyes.left : eyes.right;
+        const Picture twice = one.session.frames.draw_pair({own, own}, how);  // An eye for both.
+        CHECK(half(twice.rgba, 0) == half(pair.rgba, eye));
+        schema::DrawFrameT draw = bench.asked.back();
+        draw.views.erase(draw.views.begin() + static_cast<std::ptrdiff_t>(1 - eye));
+        draw.region_costs.clear();
+        CHECK(lone.alone(draw, static_cast<std::uint32_t>(eye)) == half(pair.rgba, eye));
+        std::size_t seen = 0;
+        for (const std::uint32_t depth : half(pair.depths, eye)) {
+            seen += (depth & 0xffU) == 0 ? 0 : 1;
+        }
+        CHECK(seen > 500);
+        CHECK(seen < 120 * 90);
+    }
+    for (const auto [gps, renderers, frame_buffers] :
+         {std::array{1, 1, 2}, std::array{3, 2, 1}, std::array{2, 5, 2}}) {
+        LettersBench other(gps, renderers, frame_buffers);
+        other.session.scene.stereo.mode = StereoMode::anaglyph;  // Has no part in a pair.
+        other.session.scene.camera.zoom = 3;
+        const Picture same = other.session.frames.draw_pair(eyes, how);
+        CHECK(same.rgba == pair.rgba);
+        CHECK(same.depths == pair.depths);
+    }
+}
+
+TEST_CASE("pairs and pictures of the camera, one after the other, have the same bits as alone") {
+    LettersBench bench(2, 3, 2), fresh(2, 3, 2);
+    const Eyes eyes = crooked_eyes(bench.session);
+    const Frames::Moving how{{120, 90}, 0};
+    const Pixels plain = fresh.session.frames.draw().rgba;
+    const Pixels pair = bench.session.frames.draw_pair(eyes, how).rgba;
+    for (int turn = 0; turn < 2; ++turn) {
+        CHECK(bench.session.frames.draw().rgba == plain);
+        CHECK(bench.asked.back().region_costs.size() == (turn == 0 ? 0 : 4));
+        CHECK(bench.session.frames.draw_pair(eyes, how).rgba == pair);
+        CHECK(bench.asked.back().region_costs.size() == 2);
+    }
+    bench.session.frames.announce(Frames::Moving{{200, 150}, 0});
+    bench.session.surfaces.set("letters", bench.session.scene.surfaces.front().isovalue + 1,
+                               CaseRule::watertight, {200, 180, 160});
+    REQUIRE(bench.session.frames.has_frame_ahead());
+    const Pixels newer = bench.session.frames.draw_pair(eyes, how).rgba;
+    CHECK(!bench.session.frames.has_frame_ahead());
+    CHECK(newer.size() == pair.size());
+    CHECK(newer != pair);
+    CHECK(bench.session.frames.draw().rgba.size() == plain.size());
+}
+
+TEST_CASE("stereo headset says where a headset is used, and changes nothing") {
+    LettersBench bench(1, 1);
+    bench.session.scene.stereo = {StereoMode::rows, 40, 0};
+    for (const char* line : {"stereo headset", "stereo headset separation=30"}) {
+        CHECK_THROWS_WITH_AS(run_command(bench.session, parse_line(line)),
+                             doctest::Contains("press the headset button"), RequestError);
+        CHECK(bench.session.scene.stereo == Stereo{StereoMode::rows, 40, 0});
+    }
+    CHECK_THROWS_WITH_AS(run_command(bench.session, parse_line("stereo headsets")),
+                         doctest::Contains("headset"), RequestError);
 }
