@@ -125,6 +125,7 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
     const std::filesystem::path& run = machine->run_folder();
     parts.saved_session = run.parent_path() / "saved" / (run.filename().string() + ".pxpl5");
     if (!options.idle_limit.empty()) {
+        constexpr double ms_per_s = 1000;
         parts.idle_limit_ms =
             ms_per_s * static_cast<double>(parse_duration("--idle-limit", options.idle_limit));
     }

@@ -1,7 +1,11 @@
 // A viewer's words: messages over the WebSocket, paths, headers of requests, names of uploads.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <glm/mat4x4.hpp>
+#include <glm/matrix.hpp>
 
 #include "host/base/error.hpp"
 #include "host/serve/director/viewer_message.hpp"
@@ -19,6 +23,23 @@ namespace {
 using namespace host::serve;
 namespace fs = std::filesystem;
 
+/// Only matrices of an eye that a machine can draw for are accepted.
+void require_drawable(const HeadsetEyes& eyes) {
+    require(eyes.pose > 0 && std::min(eyes.size.width, eyes.size.height) >= min_eye_px,
+            "eyes without a pose or a size");
+    for (const host::CameraMatrices& eye : {eyes.eyes.left, eyes.eyes.right}) {
+        const glm::dmat4 change = glm::inverse(eye.patient_to_eye) * eye.patient_to_eye;
+        for (int column = 0; column < 4; ++column) {
+            for (int row = 0; row < 4; ++row) {
+                require(std::isfinite(eye.projection[column][row]), "an infinite projection");
+                require(std::abs(change[column][row] - (column == row ? 1 : 0)) < 1e-3,
+                        "patient_to_eye without an inverse");
+            }
+        }
+        require((eye.projection * glm::dvec4(0, 0, -1, 1)).w > 0, "eyes that look backward");
+    }
+}
+
 bool accepts_message(const std::string& text) {
     Viewer viewer(1, Role::driver);
     const std::optional<std::string> heard = viewer.hear(text, true, 1);
@@ -29,9 +50,12 @@ bool accepts_message(const std::string& text) {
         const ViewerMessage message = read_viewer_message(text);
         const int meanings = int{message.line.has_value()} + int{message.ask.has_value()} +
                              int{message.panel.has_value()} + int{message.cancels} +
-                             int{message.is_ping};
+                             int{message.is_ping} + int{message.is_of_headset};
         require(meanings == 1, "a message of several meanings");
         require(message.id || !(message.ask || message.is_ping), "a question without a number");
+        if (message.eyes) {
+            require_drawable(*message.eyes);
+        }
         return true;
     } catch (const host::RequestError& error) {
         require(error.code == host::ExitCode::usage &&

@@ -49,11 +49,15 @@ class Watchers final : public Audience {
             on_show(frames.back());
         }
     }
+    void wear(std::uint32_t viewer, std::size_t pair_pixels) override {
+        wearers.emplace_back(viewer, pair_pixels);
+    }
     bool wants_frame() const override { return takes_frames; }
-    LinkAdvice advice() const override { return {1, wants_depths}; }
+    bool wants_pair() const override { return takes_pairs; }
+    LinkAdvice advice() const override { return {1, wants_depths, pair_scale}; }
 
-    void says(const Json& message, Role role = Role::driver) {
-        events.emplace_back(Said{1, role, message.dump()});
+    void says(const Json& message, Role role = Role::driver, std::uint32_t viewer = 1) {
+        events.emplace_back(Said{viewer, role, message.dump()});
         eventfd_write(fd_, 1);
     }
     void joins(std::uint32_t viewer) {
@@ -83,8 +87,10 @@ class Watchers final : public Audience {
     std::vector<std::string> binaries;
     std::vector<std::string> openings;
     std::vector<serve::Shown> frames;
-    bool takes_frames = true;
+    std::vector<std::pair<std::uint32_t, std::size_t>> wearers;  ///< The calls of wear().
+    bool takes_frames = true, takes_pairs = true;
     bool wants_depths = false;
+    double pair_scale = 1;
     bool scrolls = false;  ///< A second viewer, who asks for slices without end.
     std::function<void(const serve::Shown&)> on_show;  ///< Called for each frame; may be empty.
 

@@ -55,7 +55,7 @@ ROOMS = {
                      "session", "inspect"},
         "report": {"base", "chart", "phantom", "machine", "timing", "session", "inspect",
                    "commands"},
-        "serve": {"base", "volume", "machine", "session", "inspect", "commands"},
+        "serve": {"base", "volume", "machine", "scene", "session", "inspect", "commands"},
         ".": {"base", "phantom", "machine", "inspect", "commands", "report", "serve"},
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"},

@@ -15,7 +15,9 @@ class Audience {
     virtual void send_binary(std::uint32_t viewer, std::string bytes) = 0;
     virtual void opened(std::string path) = 0;
     virtual void show(Shown frame) = 0;
+    virtual void wear(std::uint32_t viewer, std::size_t pair_pixels) = 0;
     virtual bool wants_frame() const = 0;
+    virtual bool wants_pair() const = 0;
     virtual LinkAdvice advice() const = 0;
 };
 
@@ -33,7 +35,11 @@ class WebAudience final : public Audience {
     }
     void opened(std::string path) override { server_.opened(std::move(path)); }
     void show(Shown frame) override { server_.show(std::move(frame)); }
+    void wear(std::uint32_t viewer, std::size_t pair_pixels) override {
+        server_.wear(viewer, pair_pixels);
+    }
     bool wants_frame() const override { return server_.wants_frame(); }
+    bool wants_pair() const override { return server_.wants_pair(); }
     LinkAdvice advice() const override { return server_.advice(); }
 
   private:

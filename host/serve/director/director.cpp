@@ -12,7 +12,6 @@
 #include "host/base/error.hpp"
 #include "host/base/reply.hpp"
 #include "host/base/version.hpp"
-#include "host/serve/director/viewer_message.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -125,7 +124,8 @@ bool Director::step() {
         const bool picture_is_due =
             shown_.revision != revision_ &&
             (since_ms(shown_.time_ns) >= goal_ms || session_->frames.has_frame_ahead());
-        if (!(picture_is_due && draw_moving())) {
+        const bool pair_is_due = is_pair_due() && since_ms(headset_.drawn_ns) >= goal_ms;
+        if (!((picture_is_due || pair_is_due) && draw_in_turn(false))) {
             do_wish(inbox_.take());
         }
         return true;
@@ -149,7 +149,7 @@ bool Director::step() {
         do_wish(inbox_.take());
     }
     // Draws after each answer, so that a viewer's constant questions do not delay pictures.
-    return draw_moving() || draw_resting() || is_asked;
+    return draw_in_turn(true) || is_asked;
 }
 
 double Director::due_ms() const {
@@ -158,7 +158,7 @@ double Director::due_ms() const {
         due = due < 0 ? std::max(0.0, ms) : std::min(due, std::max(0.0, ms));
     };
     if (has_picture() && is_refinable()) {
-        sooner(rest_ms - since_ms(input_ns_));
+        sooner(rest_due_ms());
     }
     if (end_.notice && end_.saved_revision != revision_) {
         sooner(rest_ms - since_ms(input_ns_));
@@ -204,6 +204,9 @@ void Director::take(const Lost& lost) {
 void Director::take(const Left& left) {
     viewers_.erase(left.viewer);
     inbox_.forget_asks(left.viewer);
+    if (left.viewer == headset_.viewer) {
+        take_headset_off();
+    }
     tell_viewers();
 }
 
@@ -213,9 +216,14 @@ void Director::tell_viewers() const {
     }
 }
 
-/// Whether the viewer's role allows the message.
-bool Director::may(const Said& said, const std::optional<std::string>& ask) const {
-    return said.role == Role::driver || (ask && *ask == "slice");
+/// Throws RequestError unless the viewer's role allows the message.
+void Director::check_role(const Said& said, const ViewerMessage& message) const {
+    if (said.role == Role::driver || message.ask == "slice") {
+        return;
+    }
+    refuse_command(message.is_of_headset
+                       ? "you only watch: a headset needs the address for drivers"
+                       : "you only watch: the address of this page may not change anything");
 }
 
 void Director::take(const Said& said) {
@@ -232,18 +240,23 @@ void Director::take(const Said& said) {
             audience_.send(said.viewer, json_text({{"re", std::int64_t{*wish.id}}, {"ok", true}}));
             return;
         }
-        if (!may(said, message.ask)) {
-            refuse_command("you only watch: the address of this page may not change anything");
-        }
+        check_role(said, message);
         if (message.cancels) {
             work_.cancels = true;  // For the command under way; do_command() resets the flag.
             return;
         }
         end_.used_ns = said.role == Role::driver ? parts_.clock_ns() : end_.used_ns;
+        if (message.is_of_headset) {
+            take_eyes(said.viewer, message);
+            return;
+        }
         wish.is_ask = message.ask.has_value();
         wish.text = wish.is_ask ? said.text : *message.line;
         wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");
         take_wish(said, std::move(wish));
+    } catch (const MessageError& error) {
+        wish.id = error.id;
+        refuse(wish, error);
     } catch (const RequestError& error) {
         refuse(wish, error);
     }
@@ -302,18 +315,18 @@ void Director::note(const char* level, const std::string& text) {
 void Director::tell_progress(const std::string& what, int done, int total) {
     // Sends the first text at once, the others at a readable rate.
     constexpr double pause_ms = 50;
-    if (busy_.empty() || (tells_progress_ && done != total && since_ms(progress_ns_) < pause_ms)) {
+    if (busy_.empty() ||
+        (progress_.is_told && done != total && since_ms(progress_.time_ns) < pause_ms)) {
         return;
     }
-    tells_progress_ = true;
-    progress_ns_ = parts_.clock_ns();
+    progress_ = {true, parts_.clock_ns()};
     tell_all(json_text(
         {{"progress",
           Fields{{"what", what}, {"done", std::int64_t{done}}, {"total", std::int64_t{total}}}}}));
 }
 
 void Director::end_progress() {
-    if (std::exchange(tells_progress_, false)) {
+    if (std::exchange(progress_.is_told, false)) {
         tell_all(json_text({{"progress", nullptr}}));
     }
 }

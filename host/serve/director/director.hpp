@@ -14,6 +14,7 @@
 #include "host/serve/director/inbox.hpp"
 #include "host/serve/director/pace.hpp"
 #include "host/serve/director/state_text.hpp"
+#include "host/serve/director/viewer_message.hpp"
 #include "host/session/session.hpp"
 #include "host/session/transfer/detail.hpp"
 
@@ -96,8 +97,11 @@ class Director {
     void take(const Lost& lost);
     void take(const EndsSoon& soon);
     void take_wish(const Said& said, Wish wish);
+    void take_eyes(std::uint32_t viewer, const ViewerMessage& message);
+    void answer_eyes(std::uint32_t viewer, std::optional<std::uint32_t> id, bool is_superseded);
+    void take_headset_off();
     bool do_at_once(const Wish& wish);
-    bool may(const Said& said, const std::optional<std::string>& ask) const;
+    void check_role(const Said& said, const ViewerMessage& message) const;
     void refuse(const Wish& wish, const RequestError& error);
 
     void do_wish(const Wish& wish);
@@ -124,6 +128,14 @@ class Director {
     void tell_state();
 
     Frames::Moving moving() const;
+    int moving_detail(int views) const;
+    bool draw_in_turn(bool rests);
+    bool has_onlookers() const;
+    bool is_pair_due() const;
+    bool draw_pair();
+    void show_pair(Picture picture, std::uint32_t viewer, std::uint32_t pose,
+                   std::uint32_t revision);
+    double rest_due_ms() const;
     bool draw_moving();
     bool draw_resting();
     int most_samples() const;
@@ -146,6 +158,19 @@ class Director {
         bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
     };
 
+    /// The headset that one viewer wears.
+    struct Headset {
+        std::uint32_t viewer = 0;         ///< 0: nobody wears one.
+        std::optional<HeadsetEyes> eyes;  ///< The newest.
+        std::optional<std::uint32_t> id;  ///< Of the message of these eyes, if not answered yet.
+        std::int64_t eyes_ns = 0;         ///< Time of this message.
+        std::uint32_t pose = 0;           ///< Of the newest pair; 0: none yet.
+        std::uint32_t revision = 0;       ///< Of the newest pair.
+        std::int64_t drawn_ns = 0;        ///< Time of the newest pair.
+        bool had_turn = false;            ///< The newest picture is a pair.
+        Pace pace;
+    };
+
     Audience& audience_;
     DirectorParts parts_;
     std::unique_ptr<Session> session_;
@@ -162,10 +187,14 @@ class Director {
         bool cancels = false;     ///< A viewer has canceled the command under way.
     };
     Work work_;
-    bool tells_progress_ = false;
-    std::int64_t progress_ns_ = 0;  ///< Time of the last message about progress.
+    struct Progress {
+        bool is_told = false;
+        std::int64_t time_ns = 0;  ///< Of the last message.
+    };
+    Progress progress_;
     std::uint32_t revision_ = 1;
     ShownFrame shown_;
+    Headset headset_;
     bool state_is_old_ = true;
     std::string last_state_;     ///< The last state sent.
     std::int64_t input_ns_ = 0;  ///< Time of the newest change.

@@ -1,6 +1,5 @@
 // Director: chooses when frames are drawn, and their size.
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -8,20 +7,6 @@
 #include "host/serve/director/director.hpp"
 
 namespace pxpl5::host::serve {
-
-namespace {
-
-constexpr int smallest_moving_px = 64;
-
-Size scaled(const Size& size, double scale) {
-    const auto side = [scale](int px) {
-        return std::max(std::min(px, smallest_moving_px),
-                        static_cast<int>(std::lround(px * scale)));
-    };
-    return {side(size.width), side(size.height)};
-}
-
-}  // namespace
 
 bool Director::has_picture() const {
     return session_->volumes.has_volume() || session_->volumes.archive() != nullptr;
@@ -55,9 +40,15 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
 /// limited by the number of triangles.
 Frames::Moving Director::moving() const {
     const Scene& scene = session_->scene;
-    const Size size = scaled(scene.size, std::min(pace_.scale(), audience_.advice().scale));
+    const Size size = moving_size(scene.size, std::min(pace_.scale(), audience_.advice().scale));
+    return {size, moving_detail(1)};
+}
+
+/// views  Pictures that each triangle is drawn for.
+int Director::moving_detail(int views) const {
+    const Scene& scene = session_->scene;
     if (!scene.detail.is_auto) {
-        return {size, scene.detail.detail};
+        return scene.detail.detail;
     }
     std::int64_t triangles = 0;
     for (const Surface& surface : scene.surfaces) {
@@ -66,7 +57,7 @@ Frames::Moving Director::moving() const {
             triangles += session_->surfaces.report_of(surface.name).triangles;
         }
     }
-    return {size, moving_detail(triangles, parts_.moving_triangles)};
+    return host::moving_detail(views * triangles, parts_.moving_triangles);
 }
 
 /// Depths only help viewers who show pictures from newer viewpoints. The holes of a screen door
@@ -88,7 +79,7 @@ ReadBack Director::read_back() const {
 /// Requests the picture of a new isovalue together with the surface.
 void Director::announce_frame(const Arguments& command) {
     const bool draws = command.name == "surface" && !command.words.empty() && has_picture() &&
-                       audience_.wants_frame();
+                       audience_.wants_frame() && has_onlookers();
     const std::optional<Surface> known =
         draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
     // A filter of components selects the triangles only after the extraction.
@@ -99,6 +90,7 @@ void Director::announce_frame(const Arguments& command) {
 /// Draws a moving picture after a change. Returns false if nothing has changed.
 bool Director::draw_moving() {
     if (!has_picture() || shown_.revision == revision_ || !audience_.wants_frame() ||
+        !has_onlookers() ||
         (!inbox_.has_command() && since_ms(input_ns_) >= rest_ms)) {  // The resting picture is due.
         return false;
     }
@@ -126,6 +118,7 @@ bool Director::draw_moving() {
         show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
+    headset_.had_turn = false;
     shown_.time_ns = parts_.clock_ns();
     shown_.revision = revision;  // Also after a failure: the next change tries again.
     shown_.samples = 0;
@@ -133,21 +126,22 @@ bool Director::draw_moving() {
 }
 
 /// Draws the resting picture after a time without input, then with more samples. A command that
-/// changes the picture cancels the refinement.
+/// changes the picture cancels the refinement, and so does a new pose of a headset.
 bool Director::draw_resting() {
-    if (!has_picture() || since_ms(input_ns_) < rest_ms || !is_refinable()) {
+    if (!has_picture() || !is_refinable() || rest_due_ms() > 0) {
         return false;
     }
     const std::uint32_t revision = revision_;
     const bool is_first = shown_.revision != revision || shown_.samples == 0 || lacks_depths();
     const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
+    headset_.had_turn = false;
     const ReadBack reads = read_back();
     bool is_drawn = true;
     guard("drawing", [&] {
-        const auto go_on = [this] {
+        const auto go_on = [this, samples] {
             take_events();
             answer_slices();
-            return !inbox_.changes_picture();
+            return !inbox_.changes_picture() && (samples == 1 || !is_pair_due());
         };
         auto picture = session_->frames.draw_samples(samples, go_on, reads);
         is_drawn = picture.has_value();
@@ -175,9 +169,10 @@ int Director::most_samples() const {
     return session_->frames.max_samples();
 }
 
-/// Whether a better picture than the newest can be drawn.
+/// Whether a better picture than the newest can be drawn, and somebody would see the picture.
 bool Director::is_refinable() const {
-    return shown_.revision != revision_ || shown_.samples < most_samples() || lacks_depths();
+    return has_onlookers() &&
+           (shown_.revision != revision_ || shown_.samples < most_samples() || lacks_depths());
 }
 
 bool Director::wants_machine() const {

@@ -53,22 +53,17 @@ Json parse(std::string_view text) {
     return message;
 }
 
-}  // namespace
+std::optional<std::uint32_t> id_of(const Json& message) {
+    const auto id = value<std::uint64_t>(message, "id", Json::value_t::number_unsigned);
+    if (id && *id > std::numeric_limits<std::uint32_t>::max()) {
+        refuse_command(fmt::format("message: id {} is above {}", *id,
+                                   std::numeric_limits<std::uint32_t>::max()));
+    }
+    return id ? std::optional(static_cast<std::uint32_t>(*id)) : std::nullopt;
+}
 
-ViewerMessage read_viewer_message(std::string_view text) {
-    const Json message = parse(text);
-    if (!message.is_object()) {
-        refuse_command(
-            fmt::format("message: '{}' is no JSON object", text.substr(0, quoted_bytes)));
-    }
-    ViewerMessage read;
-    if (const auto id = value<std::uint64_t>(message, "id", Json::value_t::number_unsigned)) {
-        if (*id > std::numeric_limits<std::uint32_t>::max()) {
-            refuse_command(fmt::format("message: id {} is above {}", *id,
-                                       std::numeric_limits<std::uint32_t>::max()));
-        }
-        read.id = static_cast<std::uint32_t>(*id);
-    }
+/// Reads all but the id.
+void read_content(const Json& message, std::string_view text, ViewerMessage& read) {
     read.line = value<std::string>(message, "do", Json::value_t::string);
     read.ask = value<std::string>(message, "ask", Json::value_t::string);
     if (read.ask) {
@@ -77,16 +72,39 @@ ViewerMessage read_viewer_message(std::string_view text) {
     read.panel = value<bool>(message, "panel", Json::value_t::boolean);
     read.cancels = value<bool>(message, "cancel", Json::value_t::boolean).value_or(false);
     read.is_ping = value<bool>(message, "ping", Json::value_t::boolean).value_or(false);
+    const auto eyes = message.find("eyes");
+    read.is_of_headset = eyes != message.end();
     const int meanings = int{read.line.has_value()} + int{read.ask.has_value()} +
-                         int{read.panel.has_value()} + int{read.cancels} + int{read.is_ping};
+                         int{read.panel.has_value()} + int{read.cancels} + int{read.is_ping} +
+                         int{read.is_of_headset};
     if (meanings != 1) {
         refuse_command(
-            fmt::format("message: '{}' has {} of do, ask, panel, cancel and ping, not one",
+            fmt::format("message: '{}' has {} of do, ask, panel, cancel, ping and eyes, not one",
                         text.substr(0, quoted_bytes), meanings));
+    }
+    if (read.is_of_headset && !eyes->is_null()) {
+        read.eyes = read_headset_eyes(*eyes);
     }
     if ((read.ask || read.is_ping) && !read.id) {
         refuse_command(fmt::format("message: {} has no id to answer to",
                                    read.ask ? fmt::format("ask \"{}\"", *read.ask) : "ping"));
+    }
+}
+
+}  // namespace
+
+ViewerMessage read_viewer_message(std::string_view text) {
+    ViewerMessage read;
+    try {
+        const Json message = parse(text);
+        if (!message.is_object()) {
+            refuse_command(
+                fmt::format("message: '{}' is no JSON object", text.substr(0, quoted_bytes)));
+        }
+        read.id = id_of(message);
+        read_content(message, text, read);
+    } catch (const RequestError& error) {
+        throw MessageError(error, read.id);
     }
     return read;
 }

@@ -75,8 +75,14 @@ void Server::opened(std::string path) {
 void Server::show(Shown frame) {
     core_->mail.show(std::move(frame));
 }
+void Server::wear(std::uint32_t viewer, std::size_t pair_pixels) {
+    core_->mail.wear(viewer, pair_pixels);
+}
 bool Server::wants_frame() const {
     return core_->mail.wants_frame();
+}
+bool Server::wants_pair() const {
+    return core_->mail.wants_pair();
 }
 LinkAdvice Server::advice() const {
     return core_->mail.advice();

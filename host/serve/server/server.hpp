@@ -50,7 +50,8 @@ struct EndsSoon {
 };
 using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 
-/// A frame for all viewers: one picture, or several of the same size, from top to bottom.
+/// A frame for all viewers, or for one who wears a headset: one picture, or several of the same
+/// size, from top to bottom.
 struct Shown {
     /// pictures() * width * height, red lowest.
     std::shared_ptr<const std::vector<std::uint32_t>> pixels;
@@ -60,6 +61,7 @@ struct Shown {
     int views = 1;               ///< 2: the left eye's pictures, then the right eye's.
     int layers = 1;              ///< Per view; 2: opaque surfaces, then one seen through.
     int opacity = 0;             ///< Sixteenths, of the second layer; 0 without.
+    std::uint32_t viewer = 0;    ///< The wearer of a headset, who alone gets the frame; 0: all.
     std::uint32_t pose = 0;      ///< Number of a headset's pose; 0: the camera of the state.
     std::uint32_t revision = 0;  ///< Revision of the state in the picture.
     int samples = 1;             ///< Samples per pixel.
@@ -78,6 +80,7 @@ struct LinkAdvice {
     /// connection limits it.
     double scale = 1;
     bool wants_depths = false;  ///< Some viewer shows pictures from newer viewpoints.
+    double pair_scale = 1;      ///< Likewise of a headset's pairs, by its wearer's connection.
 };
 
 /// Serves the page and its WebSocket from a thread of its own. Every call below may be made from
@@ -112,11 +115,18 @@ class Server {
     void opened(std::string path);
 
     /// Takes the place of a frame that has not been sent yet. A viewer who joins later gets the
-    /// newest one, too.
+    /// newest one, too. Drops a frame for one viewer who does not wear a headset any more.
     void show(Shown frame);
 
-    /// Whether some viewer would take a moving frame now.
+    /// From now on the viewer gets pairs and no frames for all; 0: nobody wears a headset.
+    ///
+    /// pair_pixels  Of a pair at full size, for advice().
+    void wear(std::uint32_t viewer, std::size_t pair_pixels);
+
+    /// Whether some viewer would take a moving frame for all now.
     bool wants_frame() const;
+    /// Whether the wearer of the headset would take a pair now.
+    bool wants_pair() const;
     LinkAdvice advice() const;
 
   private:

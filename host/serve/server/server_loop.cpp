@@ -121,7 +121,7 @@ void Loop::deliver() {
         resting_pixels_ = newest->shown.pixels->size();
     }
     for (auto& [connection, socket] : sockets_) {
-        if (socket.viewer.takes(*newest)) {
+        if (socket.viewer.takes(*mail_.newest(socket.viewer.number))) {
             lws_callback_on_writable(connection);
         }
     }
@@ -129,20 +129,29 @@ void Loop::deliver() {
 }
 
 void Loop::advise() {
-    const auto newest = mail_.newest();
-    bool wanted = false;
-    LinkAdvice advice;
+    const Wearer wearer = mail_.wearer();
+    const auto newest = mail_.newest(), newest_pair = mail_.newest(wearer.viewer);
+    Wants wants;
+    wants.frame_sequence = newest->sequence;
+    wants.pair_sequence = newest_pair->sequence;
+    LinkAdvice& advice = wants.advice;
     for (auto& [connection, socket] : sockets_) {
+        Viewer& viewer = socket.viewer;
         if (!socket.joined) {
             continue;
         }
-        wanted = wanted || socket.viewer.wants_newer(*newest);
-        advice.wants_depths = advice.wants_depths || socket.viewer.wants_depths;
-        if (socket.viewer.role == Role::driver && resting_pixels_ > 0) {
-            advice.scale = std::min(advice.scale, socket.viewer.link.scale(resting_pixels_));
+        if (viewer.number == wearer.viewer) {
+            wants.pair = viewer.wants_newer(*newest_pair);
+            advice.pair_scale = viewer.link.scale(wearer.pair_pixels);
+            continue;
+        }
+        wants.frame = wants.frame || viewer.wants_newer(*newest);
+        advice.wants_depths = advice.wants_depths || viewer.wants_depths;
+        if (viewer.role == Role::driver && resting_pixels_ > 0) {
+            advice.scale = std::min(advice.scale, viewer.link.scale(resting_pixels_));
         }
     }
-    mail_.advise(wanted, newest->sequence, advice);
+    mail_.advise(wants);
 }
 
 }  // namespace pxpl5::host::serve

@@ -13,7 +13,7 @@ Mail::Mail() : event_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (event_fd_ < 0) {
         throw std::system_error(errno, std::generic_category(), "eventfd");
     }
-    newest_ = std::make_shared<NewestFrame>();
+    newest_ = newest_pair_ = std::make_shared<NewestFrame>();
 }
 
 Mail::~Mail() {
@@ -44,10 +44,28 @@ void Mail::send(Outgoing message) {
 void Mail::show(Shown frame) {
     {
         const std::scoped_lock lock(mutex_);
-        auto next =
-            std::make_shared<NewestFrame>(NewestFrame{newest_->sequence + 1, std::move(frame)});
-        newest_ = std::move(next);
-        wants_frame_ = false;  // Until the server has seen who takes this one.
+        const bool is_pair = frame.viewer != 0;
+        if (is_pair && frame.viewer != wearer_.viewer) {
+            return;
+        }
+        (is_pair ? newest_pair_ : newest_) =
+            std::make_shared<NewestFrame>(NewestFrame{++frames_, std::move(frame)});
+        // Until the server has seen who takes this one.
+        (is_pair ? wants_pair_ : wants_frame_) = false;
+    }
+    wake_server();
+}
+
+void Mail::wear(std::uint32_t viewer, std::size_t pair_pixels) {
+    {
+        const std::scoped_lock lock(mutex_);
+        if (viewer != wearer_.viewer) {
+            NewestFrame none;
+            none.shown.viewer = viewer;
+            newest_pair_ = std::make_shared<NewestFrame>(std::move(none));
+            wants_pair_ = false;
+        }
+        wearer_ = {viewer, pair_pixels};
     }
     wake_server();
 }
@@ -108,20 +126,28 @@ std::vector<std::string> Mail::collect_opened() {
     return std::exchange(opened_, {});
 }
 
-std::shared_ptr<const NewestFrame> Mail::newest() const {
+std::shared_ptr<const NewestFrame> Mail::newest(std::uint32_t viewer) const {
     const std::scoped_lock lock(mutex_);
-    return newest_;
+    return viewer != 0 && viewer == wearer_.viewer ? newest_pair_ : newest_;
 }
 
-void Mail::advise(bool wanted, std::uint64_t sequence, LinkAdvice advice) {
+Wearer Mail::wearer() const {
     const std::scoped_lock lock(mutex_);
-    scale_ = advice.scale;
-    wants_depths_ = advice.wants_depths;
-    const bool wants = wanted && sequence == newest_->sequence;
-    if (wants && !wants_frame_) {
+    return wearer_;
+}
+
+void Mail::advise(const Wants& wants) {
+    const std::scoped_lock lock(mutex_);
+    scale_ = wants.advice.scale;
+    wants_depths_ = wants.advice.wants_depths;
+    pair_scale_ = wants.advice.pair_scale;
+    const bool frame = wants.frame && wants.frame_sequence == newest_->sequence;
+    const bool pair = wants.pair && wants.pair_sequence == newest_pair_->sequence;
+    if ((frame && !wants_frame_) || (pair && !wants_pair_)) {
         wake_session();
     }
-    wants_frame_ = wants;
+    wants_frame_ = frame;
+    wants_pair_ = pair;
 }
 
 }  // namespace pxpl5::host::serve

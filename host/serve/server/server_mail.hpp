@@ -18,10 +18,27 @@ struct Outgoing {
     std::shared_ptr<const std::string> bytes;
 };
 
-/// The newest frame. `sequence` counts frames from 1, over all viewers.
+/// The newest frame for all, or for the wearer of a headset. `sequence` counts frames of both kinds
+/// from 1; 0: none yet.
 struct NewestFrame {
     std::uint64_t sequence = 0;
     Shown shown;
+};
+
+/// What the server finds that viewers would take.
+struct Wants {
+    bool frame =
+        false;  ///< Some viewer accepts a frame for all that is newer than `frame_sequence`.
+    std::uint64_t frame_sequence = 0;
+    bool pair = false;  ///< The wearer of the headset accepts a newer pair.
+    std::uint64_t pair_sequence = 0;
+    LinkAdvice advice;
+};
+
+/// The viewer who wears a headset.
+struct Wearer {
+    std::uint32_t viewer = 0;     ///< 0: no viewer.
+    std::size_t pair_pixels = 0;  ///< Pixels of a pair at full size.
 };
 
 inline constexpr std::size_t max_waiting_event_bytes = 32U << 20U;
@@ -40,20 +57,23 @@ class Mail {
     void send(Outgoing message);
     void show(Shown frame);
     void opened(std::string path);
+    void wear(std::uint32_t viewer, std::size_t pair_pixels);
     bool wants_frame() const { return wants_frame_; }
-    LinkAdvice advice() const { return {scale_, wants_depths_}; }
+    bool wants_pair() const { return wants_pair_; }
+    LinkAdvice advice() const { return {scale_, wants_depths_, pair_scale_}; }
 
     // The server's side.
     /// False, and nothing kept, if the session lags by max_waiting_event_bytes of texts.
     bool push(Event event);
     std::vector<Outgoing> collect();
     std::vector<std::string> collect_opened();
-    std::shared_ptr<const NewestFrame> newest() const;
-    /// wanted  A viewer accepts a frame newer than number `sequence`. Ignored if a newer frame
-    ///         has been shown in the meantime.
-    void advise(bool wanted, std::uint64_t sequence, LinkAdvice advice);
+    /// The newest frame for that viewer: a pair if it wears a headset. Viewer 0 wears none.
+    std::shared_ptr<const NewestFrame> newest(std::uint32_t viewer = 0) const;
+    Wearer wearer() const;
+    /// A want is ignored if a newer frame has been shown in the meantime.
+    void advise(const Wants& wants);
 
-    /// Called after send(), show() and opened(), on the session's thread.
+    /// Called after send(), show(), wear() and opened(), on the session's thread.
     std::function<void()> wake_server;
 
   private:
@@ -66,9 +86,11 @@ class Mail {
     std::size_t event_bytes_ = 0;
     std::vector<Outgoing> outgoing_;
     std::vector<std::string> opened_;
-    std::shared_ptr<const NewestFrame> newest_;
-    std::atomic<bool> wants_frame_ = false;
-    std::atomic<double> scale_ = 1;
+    std::uint64_t frames_ = 0;
+    std::shared_ptr<const NewestFrame> newest_, newest_pair_;
+    Wearer wearer_;
+    std::atomic<bool> wants_frame_ = false, wants_pair_ = false;
+    std::atomic<double> scale_ = 1, pair_scale_ = 1;
     std::atomic<bool> wants_depths_ = false;
 };
 

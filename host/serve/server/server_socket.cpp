@@ -180,7 +180,7 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     }
     if (const auto number = shown_number(*text)) {
         viewer.link.shown(*number, now_ms());
-        if (viewer.takes(*mail_.newest())) {
+        if (viewer.takes(*mail_.newest(viewer.number))) {
             lws_callback_on_writable(connection);
         }
         advise();
@@ -199,7 +199,7 @@ int Loop::on_writable(lws* connection, Socket& socket) {
         return socket.is_leaving ? say_why(connection, viewer) : 0;
     }
     // One message a call: then the others have their turn.
-    const auto newest = mail_.newest();
+    const auto newest = mail_.newest(viewer.number);
     int result = 0;
     if (socket.ping_due) {
         socket.ping_due = false;
@@ -223,8 +223,8 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     const Shown& shown = frame.shown;
     const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
     const std::string& picture = encoded(frame, quality);
-    const std::string_view depths =
-        viewer.wants_depths && shown.depths ? encoded_depths(frame) : std::string_view();
+    const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && shown.depths;
+    const std::string_view depths = has_depths ? encoded_depths(frame) : std::string_view();
     if (!shown.rests) {
         viewer.link.encoded(quality, shown.pixels->size(), picture.size() + depths.size());
     }

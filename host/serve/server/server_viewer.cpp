@@ -73,11 +73,11 @@ std::optional<Outgoing> Viewer::next_message() {
 }
 
 bool Viewer::takes(const NewestFrame& frame) const {
-    return has_room() && frame.sequence > newest_sent_;
+    return has_room() && frame.sequence > newest_sent(frame);
 }
 
 bool Viewer::wants_newer(const NewestFrame& frame) const {
-    return has_room() && frame.sequence <= newest_sent_;
+    return has_room() && frame.sequence <= newest_sent(frame);
 }
 
 bool Viewer::has_room() const {
@@ -85,7 +85,7 @@ bool Viewer::has_room() const {
 }
 
 std::uint32_t Viewer::count_frame(const NewestFrame& frame) {
-    newest_sent_ = frame.sequence;
+    (frame.shown.viewer == 0 ? newest_sent_ : newest_pair_sent_) = frame.sequence;
     return ++frames_;
 }
 

@@ -56,6 +56,10 @@ class Viewer {
 
   private:
     bool has_room() const;
+    /// Sequence of the newest sent frame of the same kind: for all, or for a headset.
+    std::uint64_t newest_sent(const NewestFrame& frame) const {
+        return frame.shown.viewer == 0 ? newest_sent_ : newest_pair_sent_;
+    }
 
     std::string heard_;
     double may_say_ = messages_at_once;
@@ -63,7 +67,7 @@ class Viewer {
     std::deque<Outgoing> messages_;
     std::size_t waiting_bytes_ = 0;
     bool is_greeted_ = false;
-    std::uint64_t newest_sent_ = 0;
+    std::uint64_t newest_sent_ = 0, newest_pair_sent_ = 0;
     std::uint32_t frames_ = 0;
 };
 

@@ -2,7 +2,8 @@
 //
 // It prints its two addresses and then each event. A viewer's text `{"echo":x}` comes back to it;
 // `{"frame":[width,height,revision,rests,depths]}` shows a frame whose colors follow from the
-// revision, and with depths if the last word is true;
+// revision, and with depths if the last word is true; two more words, a pose and a viewer, make it
+// a pair for that viewer, who wears a headset after `{"wear":[viewer,pixels]}`;
 // `{"texts":[count,bytes]}` sends so many texts; `{"binary":bytes}` one binary message;
 // `{"say":x}` goes to all; `{"wants":0}` reports if a frame is wanted.
 #include <fmt/format.h>
@@ -28,7 +29,13 @@ serve::Shown frame_of(const Json& words) {
     frame.revision = words[2];
     frame.rests = words[3];
     frame.digest = frame.rests ? frame.revision : 0;
-    std::vector<std::uint32_t> pixels(static_cast<std::size_t>(frame.width * frame.height));
+    if (words.size() > 6) {
+        frame.views = 2;
+        frame.pose = words[5];
+        frame.viewer = words[6];
+    }
+    std::vector<std::uint32_t> pixels(
+        static_cast<std::size_t>(frame.pictures() * frame.width * frame.height));
     for (std::size_t i = 0; i < pixels.size(); ++i) {
         pixels[i] =
             0xff000000U | static_cast<std::uint32_t>(i * 2654435761U + frame.revision) >> 8U;
@@ -46,6 +53,9 @@ void obey(serve::Server& server, const serve::Said& said) {
     if (words.contains("frame")) {
         server.show(frame_of(words["frame"]));
     }
+    if (words.contains("wear")) {
+        server.wear(words["wear"][0], words["wear"][1]);
+    }
     if (words.contains("echo")) {
         server.send(said.viewer, words.dump());
     }
@@ -57,6 +67,7 @@ void obey(serve::Server& server, const serve::Said& said) {
     }
     if (words.contains("wants")) {
         server.send(said.viewer, Json{{"wants", server.wants_frame()},
+                                      {"pair", server.wants_pair()},
                                       {"scale", server.advice().scale},
                                       {"depths", server.advice().wants_depths}}
                                      .dump());

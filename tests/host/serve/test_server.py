@@ -342,6 +342,52 @@ class Frames(Case):
         head, _ = self.frame(again)
         self.assertEqual((head["number"], head["revision"]), (1, 5))
 
+    def pair(self, viewer, revision, pose, wearer=1, size=(64, 48)):
+        viewer.send(json.dumps({"frame": [*size, revision, False, True, pose, wearer]}))
+
+    def test_a_pair_goes_to_who_wears_the_headset_and_frames_to_the_others(self):
+        wearer, other = self.join(), self.join()
+        self.pair(other, 1, 16)  # Nobody wears a headset yet.
+        other.send('{"wear":[1,6144]}')
+        self.sync(other)
+        self.assertTrue(self.ask(other, wants=0)["pair"])
+        self.pair(other, 2, 17)
+        head, bytes_ = self.frame(wearer)
+        self.assertEqual((head["number"], head["revision"], head["pose"]), (1, 2, 17))
+        self.assertEqual((head["views"], head["width"], head["height"]), (2, 64, 48))
+        depths = bytes_[head["picture_bytes"]:]  # Of two pictures, though it did not ask.
+        left = 4 + struct.unpack("<I", depths[:4])[0]
+        self.assertEqual(len(depths), left + 4 + struct.unpack("<I", depths[left:left + 4])[0])
+        self.show(other, 3)
+        self.assertEqual(self.frame(other)[0]["revision"], 3)
+        self.pair(other, 4, 18)
+        head, _ = self.frame(wearer)  # It has not had revision 3.
+        self.assertEqual((head["number"], head["revision"], head["pose"]), (2, 4, 18))
+        wants = self.ask(other, wants=0)  # The wearer has two to acknowledge, the other has one.
+        self.assertEqual((wants["wants"], wants["pair"]), (True, False))
+        self.pair(other, 5, 19)
+        self.pair(other, 6, 20)
+        self.sync(other)
+        self.shown(wearer, 2)
+        self.assertEqual(self.frame(wearer)[0]["pose"], 20)  # The newest.
+        self.shown(wearer, 3)
+        self.sync(wearer)
+        other.send('{"wear":[0,0]}')
+        head, _ = self.frame(wearer)
+        self.assertEqual((head["revision"], head["pose"], head["views"]), (3, 0, 1))
+        self.assertFalse(self.ask(other, wants=0)["pair"])
+
+    def test_a_wearer_who_leaves_wants_no_pair_and_holds_nobody_up(self):
+        wearer, other = self.join(), self.join()
+        other.send('{"wear":[1,6144]}')
+        self.sync(other)
+        wearer.close()
+        self.assertEqual([self.server.event() for _ in range(3)][-1], "left 1")
+        self.assertFalse(self.ask(other, wants=0)["pair"])
+        self.pair(other, 2, 17)
+        self.show(other, 3)
+        self.assertEqual(self.frame(other)[0]["revision"], 3)
+
     def test_nobody_wants_frames_where_nobody_is(self):
         viewer = self.join()
         self.assertTrue(self.ask(viewer, wants=0)["wants"])

@@ -135,7 +135,7 @@ TEST_CASE("a frame is wanted only by who has seen that a newer one is there") {
     int woken = 0;
     mail.wake_server = [&] { ++woken; };
     CHECK_FALSE(mail.advice().wants_depths);
-    mail.advise(true, 0, {0.75, true});
+    mail.advise({true, 0, false, 0, {0.75, true}});
     CHECK(mail.wants_frame());
     CHECK(is_readable(mail.event_fd()));
     CHECK(mail.advice().scale == 0.75);
@@ -144,11 +144,62 @@ TEST_CASE("a frame is wanted only by who has seen that a newer one is there") {
     mail.show({});
     CHECK(woken == 1);
     CHECK_FALSE(mail.wants_frame());
-    mail.advise(true, 0, {1});
+    mail.advise({true, 0, false, 0, {}});
     CHECK_FALSE(mail.wants_frame());
     CHECK_FALSE(is_readable(mail.event_fd()));
-    mail.advise(true, mail.newest()->sequence, {1});
+    mail.advise({true, mail.newest()->sequence, false, 0, {}});
     CHECK(mail.wants_frame());
+}
+
+TEST_CASE("who wears a headset gets pairs, the others frames for all, and neither misses one") {
+    Mail mail;
+    int woken = 0;
+    mail.wake_server = [&] { ++woken; };
+    Shown plain, pair, strange;
+    pair.viewer = 2;
+    pair.pose = 7;
+    strange.viewer = 3;
+    mail.show(plain);
+    mail.show(pair);  // Dropped, because no viewer wears a headset.
+    CHECK(mail.newest(2)->sequence == 1);
+    mail.wear(2, 1000);
+    CHECK(mail.wearer().viewer == 2);
+    CHECK(mail.wearer().pair_pixels == 1000);
+    CHECK(mail.newest(2)->sequence == 0);
+    CHECK(mail.newest(1)->sequence == 1);
+
+    Viewer wearer(2, Role::driver);
+    wearer.line_up(text(1));
+    wearer.next_message();
+    wearer.count_frame(*mail.newest());  // From before.
+    CHECK_FALSE(wearer.takes(*mail.newest(2)));
+    CHECK(wearer.wants_newer(*mail.newest(2)));
+    mail.take();
+    mail.advise({false, 1, true, 0, {1, false, 0.5}});
+    CHECK(mail.wants_pair());
+    CHECK_FALSE(mail.wants_frame());
+    CHECK(mail.advice().pair_scale == 0.5);
+    CHECK(is_readable(mail.event_fd()));
+    mail.show(pair);
+    mail.show(strange);
+    CHECK_FALSE(mail.wants_pair());
+    CHECK(mail.newest(2)->shown.pose == 7);
+    CHECK(mail.newest(3)->shown.pose == 0);
+    CHECK(wearer.takes(*mail.newest(2)));
+    mail.advise({false, 1, true, 0, {}});  // The server has not seen the pair yet.
+    CHECK_FALSE(mail.wants_pair());
+    CHECK(wearer.count_frame(*mail.newest(2)) == 2);
+    CHECK_FALSE(wearer.takes(*mail.newest(2)));
+    mail.show(plain);
+    mail.show(pair);
+    wearer.count_frame(*mail.newest(2));
+    mail.wear(2, 2000);  // Another size: the pair stays.
+    CHECK(mail.newest(2)->shown.pose == 7);
+    mail.wear(0, 0);
+    CHECK(wearer.takes(*mail.newest(2)));  // The frame for all, which it has missed.
+    mail.wear(2, 1000);
+    CHECK_FALSE(wearer.takes(*mail.newest(2)));
+    CHECK(wearer.wants_newer(*mail.newest(2)));
 }
 
 }  // namespace pxpl5::host::serve
