@@ -160,12 +160,12 @@ class Director {
 
     /// The headset that one viewer wears.
     struct Headset {
-        std::uint32_t viewer = 0;         ///< 0: nobody wears one.
+        std::uint32_t viewer = 0;         ///< 0: no viewer wears one.
         std::optional<HeadsetEyes> eyes;  ///< The newest.
-        std::optional<std::uint32_t> id;  ///< Of the message of these eyes, if not answered yet.
+        std::optional<std::uint32_t> id;  ///< The message of these eyes, if not answered.
         std::int64_t eyes_ns = 0;         ///< Time of this message.
-        std::uint32_t pose = 0;           ///< Of the newest pair; 0: none yet.
-        std::uint32_t revision = 0;       ///< Of the newest pair.
+        std::uint32_t pose = 0;           ///< Pose of the newest pair; 0: none yet.
+        std::uint32_t revision = 0;       ///< Revision of the newest pair.
         std::int64_t drawn_ns = 0;        ///< Time of the newest pair.
         bool had_turn = false;            ///< The newest picture is a pair.
         Pace pace;
@@ -189,7 +189,7 @@ class Director {
     Work work_;
     struct Progress {
         bool is_told = false;
-        std::int64_t time_ns = 0;  ///< Of the last message.
+        std::int64_t time_ns = 0;  ///< Time of the last message.
     };
     Progress progress_;
     std::uint32_t revision_ = 1;

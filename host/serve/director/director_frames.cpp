@@ -169,7 +169,7 @@ int Director::most_samples() const {
     return session_->frames.max_samples();
 }
 
-/// Whether a better picture than the newest can be drawn, and somebody would see the picture.
+/// Whether a better picture than the newest can be drawn, and some viewer would see the picture.
 bool Director::is_refinable() const {
     return has_onlookers() &&
            (shown_.revision != revision_ || shown_.samples < most_samples() || lacks_depths());

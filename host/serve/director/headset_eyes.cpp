@@ -21,10 +21,11 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t elements = 16;
-constexpr double exact = 1e-6;       ///< Error of an element that must be 0, 1 or -1.
-constexpr double min_scale = 0.01;   ///< Of a projection: a field of view of 179 degrees.
+constexpr double exact = 1e-6;  ///< Error of an element that must be 0, 1 or -1.
+constexpr double min_scale =
+    0.01;  ///< Least element of a projection: a field of view of 179 degrees.
 constexpr double max_scale = 1000;   ///< A field of view of 0.1 degrees.
-constexpr double max_offset = 1000;  ///< Of the middle of the picture, in halves of the picture.
+constexpr double max_offset = 1000;  ///< Place of the middle, in halves of the picture.
 
 /// The value of a key. Throws RequestError if the key does not exist.
 const Json& part(const Json& object, const std::string& path, const char* key) {

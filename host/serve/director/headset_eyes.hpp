@@ -10,8 +10,8 @@ namespace pxpl5::host::serve {
 
 inline constexpr int min_eye_px = 16;           ///< Width and height of one eye's picture.
 inline constexpr double min_near_mm = 1e-3;     ///< Least distance of a near plane.
-inline constexpr double max_eye_mm = 1e6;       ///< Of a far plane, and of a translation.
-inline constexpr double rotation_error = 1e-3;  ///< Of the products of a rotation's columns.
+inline constexpr double max_eye_mm = 1e6;       ///< Limit of a far plane, and of a translation.
+inline constexpr double rotation_error = 1e-3;  ///< Error of products of a rotation's columns.
 
 /// The eyes of one pose of a headset.
 struct HeadsetEyes {

@@ -24,7 +24,7 @@ struct ViewerMessage {
     std::optional<HeadsetEyes> eyes;  ///< Nothing if "eyes" is null: the headset is taken off.
 };
 
-/// What is wrong with a message, and the number to answer to, if the message has one.
+/// The fault of a message, and the number to answer to, if the message has one.
 struct MessageError : RequestError {
     MessageError(const RequestError& error, std::optional<std::uint32_t> its_id)
         : RequestError(error), id(its_id) {}

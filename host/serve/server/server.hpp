@@ -118,7 +118,7 @@ class Server {
     /// newest one, too. Drops a frame for one viewer who does not wear a headset any more.
     void show(Shown frame);
 
-    /// From now on the viewer gets pairs and no frames for all; 0: nobody wears a headset.
+    /// From now on the viewer gets pairs and no frames for all; 0: no viewer wears a headset.
     ///
     /// pair_pixels  Of a pair at full size, for advice().
     void wear(std::uint32_t viewer, std::size_t pair_pixels);

@@ -25,7 +25,7 @@ struct NewestFrame {
     Shown shown;
 };
 
-/// What the server finds that viewers would take.
+/// The frames that viewers would take now.
 struct Wants {
     bool frame =
         false;  ///< Some viewer accepts a frame for all that is newer than `frame_sequence`.
