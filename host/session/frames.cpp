@@ -10,6 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/session/transfer/detail.hpp"
+#include "host/session/transfer/frame_layers.hpp"
 #include "host/session/transfer/scene_transfer.hpp"
 #include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -19,26 +20,6 @@ namespace pxpl5::host {
 namespace {
 
 namespace schema = bus::schema;
-
-/// Adds one pass to the report of its picture, except the time. All passes assign the regions to
-/// the same Renderers.
-void add_pass(const WholeFrame& done, FrameReport& report) {
-    const auto regions_across = [](int px) {
-        return static_cast<int>(region_count(static_cast<std::uint32_t>(px), 1, 1));
-    };
-    report.frame = done.frame;
-    report.moved_mm = std::max(report.moved_mm, done.moved_mm);
-    report.instructions += static_cast<std::int64_t>(done.instructions);
-    report.region_columns = regions_across(done.view.width);
-    report.region_rows = regions_across(done.view.height) * done.views;
-    report.region_renderers = done.region_renderers;
-    report.region_cycles.resize(done.region_cycles.size());
-    for (std::size_t region = 0; region < done.region_cycles.size(); ++region) {
-        const std::uint64_t cycles = done.region_cycles[region];
-        report.region_cycles[region] += cycles;
-        report.renderer_cycles += static_cast<std::int64_t>(cycles);
-    }
-}
 
 /// The picture of a frame: its views one over the other, or composed, without depths.
 Picture picture_of(const WholeFrame& done, StereoMode stereo) {
@@ -137,7 +118,7 @@ void Frames::finish(Pending frame) {
         return;
     }
     nodes_.count_frame();
-    if (frame.pass.sample == 0) {
+    if (frame.pass.sample == 0 && !frame.is_front) {
         last_ = {};
     }
     add_pass(done, last_);
@@ -147,7 +128,8 @@ void Frames::finish(Pending frame) {
         counted->region_renderers = done.region_renderers;
     }
     last_.elapsed_ms = ms_since(frame.started_ns);
-    region_costs_.at(static_cast<std::size_t>(done.views) - 1) = done.region_cycles;
+    region_costs_.at(static_cast<std::size_t>(done.views) - 1) =
+        frame.is_front ? last_.region_cycles : done.region_cycles;
 }
 
 void Frames::abandon() {
@@ -242,6 +224,27 @@ Picture Frames::draw_pair(const Eyes& eyes, const Moving& how) {
     seen.cameras = {eyes.left, eyes.right};
     request(scene, seen, ReadBack::pixels_and_depths);
     return take_oldest();
+}
+
+std::optional<Frames::Layers> Frames::draw_layers() {
+    drop_ahead();
+    Stage part = stage(scene_);
+    const std::optional<SurfaceLayers> layers = surface_layers(scene_, part);
+    if (!layers || part.cameras.size() != 1) {
+        return std::nullopt;
+    }
+    part.surfaces = layers->behind;
+    request(scene_, part, ReadBack::pixels_and_depths);
+    const std::int64_t started_ns = pending_.back().started_ns;
+    part.surfaces = {&layers->front, 1};
+    request(scene_, part, ReadBack::pixels_and_depths);
+    pending_.back().is_front = true;
+    pending_.back().started_ns = started_ns;
+    wait_until_pending(0);
+    Layers drawn{take_oldest(), take_oldest(), layers->opacity};
+    put_in_front(drawn.behind.rgba, drawn.behind.depths, drawn.front.rgba, drawn.front.depths,
+                 layers->entries_before);
+    return drawn;
 }
 
 int Frames::max_samples() const {

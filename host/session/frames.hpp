@@ -15,6 +15,7 @@
 #include "host/scene/pick.hpp"
 #include "host/session/nodes.hpp"
 #include "host/session/transfer/frame_parts.hpp"
+#include "host/session/transfer/frame_report.hpp"
 #include "host/session/transfer/frame_request.hpp"
 #include "host/session/volumes.hpp"
 
@@ -26,18 +27,6 @@ struct Picture {
     std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
     /// Depths as FrameDone has them, one per pixel and view; empty unless they were asked for.
     std::vector<std::uint32_t> depths = {};
-};
-
-/// Sums over all passes of a picture of several samples.
-struct FrameReport {
-    std::uint32_t frame = 0;           ///< Number of the last pass.
-    std::int64_t instructions = 0;     ///< Executed by all Renderers.
-    std::int64_t renderer_cycles = 0;  ///< Modelled, summed over regions.
-    double elapsed_ms = 0;             ///< Request to picture.
-    double moved_mm = 0;  ///< No point of a simplified surface is farther from the exact surface.
-    int region_columns = 0, region_rows = 0;      ///< Rows over all views.
-    std::vector<std::uint64_t> region_cycles;     ///< Modelled, by region.
-    std::vector<std::uint16_t> region_renderers;  ///< Index of the Renderer, by region.
 };
 
 /// A frame, and the counts that each GP and Renderer reports.
@@ -84,6 +73,16 @@ class Frames {
     ///
     /// how  Size of one eye's picture, and the detail.
     Picture draw_pair(const Eyes& eyes, const Moving& how);
+    /// A picture with one transparent surface.
+    struct Layers {
+        Picture behind;   ///< Without the transparent surface.
+        Picture front;    ///< With it, opaque. Only the pixels that show it have a depth.
+        int opacity = 0;  ///< Sixteenths.
+    };
+    /// Draws the scene with one sample per pixel, as two pictures with depths. Both are in flight
+    /// at the same time. Returns nothing in stereo, and unless exactly one visible surface has an
+    /// opacity below 1.
+    std::optional<Layers> draw_layers();
     /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
@@ -144,7 +143,8 @@ class Frames {
         Pass pass;
         bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
         StereoMode stereo = StereoMode::off;
-        FrameParts parts;  ///< The messages that have arrived.
+        FrameParts parts;       ///< The messages that have arrived.
+        bool is_front = false;  ///< Belongs to the picture of the frame before.
     };
     struct Ahead {
         std::uint32_t frame = 0;
