@@ -158,9 +158,13 @@ TEST_CASE("frames of opaque surfaces have depths while a viewer asks for them") 
     CHECK((middle >> 8U) < (1U << 23U));
     CHECK((frames[1].depths->front() & 0xffU) == 0);
     CHECK(frames[3].depths == frames[1].depths);  // A refinement needs no other depths.
-    CHECK(have_depths("surface " + name + " opacity=0.5") == "----");
+    CHECK(have_depths("surface " + name + " opacity=0.5") == "--d--");  // Layers of the state.
     CHECK(have_depths("surface " + name + " visible=no") == "dddd");
-    CHECK(have_depths("surface " + name + " visible=yes") == "----");
+    CHECK(have_depths("surface " + name + " visible=yes") == "--d--");
+    CHECK(have_depths("surface second iso=0.3") == "--d--");
+    CHECK(have_depths("surface second opacity=0.5") == "----");  // Two transparent surfaces.
+    CHECK(have_depths("view 11 20") == "----");
+    CHECK(have_depths("remove second") == "--d--");
     CHECK(have_depths("surface " + name + " opacity=1") == "dddd");
     CHECK(have_depths("stereo anaglyph") == "----");
     CHECK(have_depths("stereo off") == "dddd");

@@ -136,12 +136,18 @@ class Director {
     void show_pair(Picture picture, std::uint32_t viewer, std::uint32_t pose,
                    std::uint32_t revision);
     double rest_due_ms() const;
+    void draw_as_moving(const std::function<void()>& draw);
     bool draw_moving();
     bool draw_resting();
     int most_samples() const;
     bool is_refinable() const;
+    std::size_t transparent_surfaces() const;
+    bool wants_depths() const;
     ReadBack read_back() const;
+    bool lacks_layers() const;
+    bool draw_layers();
     void show(Picture picture, int samples, bool rests, bool last);
+    void show_frame(Shown frame);
     bool has_picture() const;
     bool lacks_depths() const;
     bool wants_machine() const;
@@ -156,6 +162,8 @@ class Director {
         /// Depths of the resting picture of one sample, for its refinements; may be null.
         std::shared_ptr<const std::vector<std::uint32_t>> resting_depths = nullptr;
         bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
+        Camera camera = {};
+        std::uint32_t layers_revision = 0;  ///< The newest frame with layers; 0: none.
     };
 
     /// The headset that one viewer wears.

@@ -1,10 +1,13 @@
 // Director: chooses when frames are drawn, and their size.
 #include <algorithm>
+#include <functional>
+#include <memory>
 #include <utility>
 
 #include "host/base/error.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/serve/director/director.hpp"
+#include "host/session/transfer/frame_layers.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -27,13 +30,42 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     } else if (rests) {
         frame.depths = shown_.resting_depths;
     }
-    frame.revision = revision_;
     frame.samples = samples;
     frame.rests = rests;
     frame.last = last;
+    show_frame(std::move(frame));
+}
+
+void Director::show_frame(Shown frame) {
+    frame.revision = revision_;
     frame.moved_mm = session_->frames.last().moved_mm;
     frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
+    shown_.camera = session_->scene.camera;
     audience_.show(std::move(frame));
+}
+
+/// Draws a moving picture whose only transparent surface is a layer of its own. Returns false if
+/// other surfaces are transparent.
+bool Director::draw_layers() {
+    std::optional<Frames::Layers> layers = session_->frames.draw_layers();
+    if (!layers) {
+        return false;
+    }
+    Shown frame;
+    frame.width = layers->behind.width;
+    frame.height = layers->behind.height;
+    frame.layers = 2;
+    frame.opacity = layers->opacity;
+    const auto stacked = [](std::vector<std::uint32_t> top,
+                            const std::vector<std::uint32_t>& below) {
+        top.insert(top.end(), below.begin(), below.end());
+        return std::make_shared<const std::vector<std::uint32_t>>(std::move(top));
+    };
+    frame.pixels = stacked(std::move(layers->behind.rgba), layers->front.rgba);
+    frame.depths = stacked(std::move(layers->behind.depths), layers->front.depths);
+    show_frame(std::move(frame));
+    shown_.layers_revision = revision_;
+    return true;
 }
 
 /// Moving pictures: the size is limited by the time of a frame. With `detail auto`, the detail is
@@ -60,20 +92,27 @@ int Director::moving_detail(int views) const {
     return host::moving_detail(views * triangles, parts_.moving_triangles);
 }
 
-/// Depths only help viewers who show pictures from newer viewpoints. The holes of a screen door
-/// show other surfaces from there, and a picture of two views has no single viewpoint.
-ReadBack Director::read_back() const {
+std::size_t Director::transparent_surfaces() const {
     const bool is_archive = session_->volumes.archive() != nullptr;
-    const std::vector<Surface>& surfaces =
-        is_archive ? session_->volumes.archive_surfaces() : session_->scene.surfaces;
-    const auto is_seen_through = [&](const Surface& surface) {
-        return surface.visible && surface.opacity != full_opacity &&
-               !is_compared(surfaces, surface);
-    };
-    const bool has_depths = audience_.advice().wants_depths &&
-                            session_->scene.stereo.mode == StereoMode::off &&
-                            std::ranges::none_of(surfaces, is_seen_through);
-    return has_depths ? ReadBack::pixels_and_depths : ReadBack::pixels;
+    return host::transparent_surfaces(is_archive ? session_->volumes.archive_surfaces()
+                                                 : session_->scene.surfaces);
+}
+
+/// Depths only help viewers who show pictures from newer viewpoints. A picture of two views has no
+/// single viewpoint.
+bool Director::wants_depths() const {
+    return audience_.advice().wants_depths && session_->scene.stereo.mode == StereoMode::off;
+}
+
+/// The holes of a screen door show other surfaces from a newer viewpoint.
+ReadBack Director::read_back() const {
+    return wants_depths() && transparent_surfaces() == 0 ? ReadBack::pixels_and_depths
+                                                         : ReadBack::pixels;
+}
+
+/// Whether viewers who show pictures from newer viewpoints need layers of the newest state.
+bool Director::lacks_layers() const {
+    return shown_.layers_revision != revision_ && wants_depths() && transparent_surfaces() == 1;
 }
 
 /// Requests the picture of a new isovalue together with the surface.
@@ -87,6 +126,25 @@ void Director::announce_frame(const Arguments& command) {
     session_->frames.announce(is_ahead ? std::optional(moving()) : std::nullopt);
 }
 
+/// Draws with the size and the detail of moving pictures.
+void Director::draw_as_moving(const std::function<void()>& draw) {
+    struct Restore {
+        Scene& scene;
+        Size size;
+        DetailChoice detail;
+        ~Restore() {
+            scene.size = size;
+            scene.detail = detail;
+        }
+    };
+    Scene& scene = session_->scene;
+    const Restore restore{scene, scene.size, scene.detail};
+    const Frames::Moving now = moving();
+    scene.size = now.size;
+    scene.detail = {false, now.detail};
+    draw();
+}
+
 /// Draws a moving picture after a change. Returns false if nothing has changed.
 bool Director::draw_moving() {
     if (!has_picture() || shown_.revision == revision_ || !audience_.wants_frame() ||
@@ -97,25 +155,16 @@ bool Director::draw_moving() {
     if (state_is_old_) {
         tell_state();  // The overlay of the page follows the state.
     }
-    const Size wished = session_->scene.size;
-    const DetailChoice chosen = session_->scene.detail;
     const std::int64_t start_ns = parts_.clock_ns();
     const std::uint32_t revision = revision_;
     guard("drawing", [&] {
-        struct Restore {
-            Scene& scene;
-            Size size;
-            DetailChoice detail;
-            ~Restore() {
-                scene.size = size;
-                scene.detail = detail;
+        draw_as_moving([&] {
+            // Layers take two frames, and only help viewers while the camera moves.
+            const bool is_turned = shown_.camera != session_->scene.camera;
+            if (!is_turned || !lacks_layers() || !draw_layers()) {
+                show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
             }
-        };
-        const Restore restore{session_->scene, wished, chosen};
-        const Frames::Moving now = moving();
-        session_->scene.size = now.size;
-        session_->scene.detail = {false, now.detail};
-        show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
+        });
     });
     pace_.drawn(since_ms(start_ns));
     headset_.had_turn = false;
@@ -125,16 +174,22 @@ bool Director::draw_moving() {
     return true;
 }
 
-/// Draws the resting picture after a time without input, then with more samples. A command that
-/// changes the picture cancels the refinement, and so does a new pose of a headset.
+/// Draws the resting picture after a time without input, then layers of the state, unless the
+/// moving picture had them, then the picture with more samples. A command that changes the picture
+/// cancels the refinement, and so does a new pose of a headset.
 bool Director::draw_resting() {
     if (!has_picture() || !is_refinable() || rest_due_ms() > 0) {
         return false;
     }
     const std::uint32_t revision = revision_;
+    headset_.had_turn = false;
+    if (shown_.revision == revision && shown_.samples > 0 && lacks_layers()) {
+        guard("drawing", [&] { draw_as_moving([&] { draw_layers(); }); });
+        shown_.layers_revision = revision;  // Also after a failure: the next change tries again.
+        return true;
+    }
     const bool is_first = shown_.revision != revision || shown_.samples == 0 || lacks_depths();
     const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
-    headset_.had_turn = false;
     const ReadBack reads = read_back();
     bool is_drawn = true;
     guard("drawing", [&] {
@@ -171,8 +226,8 @@ int Director::most_samples() const {
 
 /// Whether a better picture than the newest can be drawn, and some viewer would see the picture.
 bool Director::is_refinable() const {
-    return has_onlookers() &&
-           (shown_.revision != revision_ || shown_.samples < most_samples() || lacks_depths());
+    return has_onlookers() && (shown_.revision != revision_ || shown_.samples < most_samples() ||
+                               lacks_depths() || lacks_layers());
 }
 
 bool Director::wants_machine() const {

@@ -75,4 +75,25 @@ std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba, 
     return bytes;
 }
 
+std::vector<std::uint32_t> blended(std::span<const std::uint32_t> rgba, int views, int opacity) {
+    constexpr std::uint32_t whole = 16;
+    constexpr std::uint32_t even = 0x00ff00ff;  // Two channels at a time, with room between.
+    constexpr std::uint32_t half = 0x00080008;
+    const auto front_share = static_cast<std::uint32_t>(opacity);
+    const auto mix = [&](std::uint32_t behind, std::uint32_t front) {
+        return (front * front_share + behind * (whole - front_share) + half) / whole & even;
+    };
+    const std::size_t each = rgba.size() / (2 * static_cast<std::size_t>(views));
+    std::vector<std::uint32_t> pixels;
+    pixels.reserve(each * static_cast<std::size_t>(views));
+    for (std::size_t first = 0; first < rgba.size(); first += 2 * each) {
+        for (std::size_t at = first; at < first + each; ++at) {
+            const std::uint32_t behind = rgba[at], front = rgba[at + each];
+            pixels.push_back(mix(behind & even, front & even) |
+                             mix(behind >> 8U & even, front >> 8U & even) << 8U);
+        }
+    }
+    return pixels;
+}
+
 }  // namespace pxpl5::host::serve

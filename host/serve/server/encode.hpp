@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "generated/page_schema.hpp"
 
@@ -23,5 +24,13 @@ std::string png_of(int width, int height, std::span<const std::uint32_t> rgba);
 ///
 /// quality  1 to 100.
 std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba, int quality);
+
+/// The layers of each view as one picture, for viewers who show no layers. Per channel: (front *
+/// opacity + behind * (16 - opacity)) / 16, halves rounded up. This is the mean of the pixels of a
+/// screen door, each of which shows one of the layers.
+///
+/// rgba     Of each view the layer behind, then the layer in front.
+/// opacity  Of the layer in front, sixteenths.
+std::vector<std::uint32_t> blended(std::span<const std::uint32_t> rgba, int views, int opacity);
 
 }  // namespace pxpl5::host::serve

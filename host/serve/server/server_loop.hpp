@@ -76,8 +76,9 @@ class Loop {
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
-    const std::string& encoded(const NewestFrame& frame, int quality);
-    const std::string& encoded_depths(const NewestFrame& frame);
+    const Shown& flat(const Shown& frame);
+    const std::string& encoded(const Shown& frame, int quality);
+    const std::string& encoded_depths(const Shown& frame);
     void forget(lws* connection);
 
     Mail& mail_;
@@ -89,10 +90,14 @@ class Loop {
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
+    using Words = std::shared_ptr<const std::vector<std::uint32_t>>;
     std::uint64_t encoded_sequence_ = 0;
-    std::map<int, std::string> encoded_;  ///< The encoded frame by quality; 0 is the PNG.
-    std::string encoded_depths_;          ///< The depths of encoded_depths_of_.
-    std::shared_ptr<const std::vector<std::uint32_t>> encoded_depths_of_;
+    /// The encoded pixels of the newest frame by quality; 0 is the PNG.
+    std::map<std::pair<Words, int>, std::string> encoded_;
+    std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
+    Words encoded_depths_of_;
+    Shown flat_;  ///< flat() of the frame with the pixels flat_of_.
+    Words flat_of_;
     std::size_t resting_pixels_ = 0;
     Listener listener_;  ///< The last: its callbacks use the others.
 };

@@ -9,6 +9,24 @@
 
 namespace pxpl5::host::serve {
 
+namespace {
+
+/// The layers of a state and the resting picture of the state arrive in any order.
+NewestFrame next_frame(const NewestFrame& before, Shown frame, std::uint64_t sequence) {
+    const bool is_same_state = frame.revision == before.shown.revision;
+    if (is_same_state && before.shown.rests && frame.layers > 1) {
+        return {before.sequence, before.shown, std::make_shared<const Shown>(std::move(frame))};
+    }
+    std::shared_ptr<const Shown> layers;
+    if (is_same_state && frame.rests) {
+        layers =
+            before.shown.layers > 1 ? std::make_shared<const Shown>(before.shown) : before.layers;
+    }
+    return {sequence, std::move(frame), std::move(layers)};
+}
+
+}  // namespace
+
 Mail::Mail() : event_fd_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
     if (event_fd_ < 0) {
         throw std::system_error(errno, std::generic_category(), "eventfd");
@@ -48,8 +66,13 @@ void Mail::show(Shown frame) {
         if (is_pair && frame.viewer != wearer_.viewer) {
             return;
         }
-        (is_pair ? newest_pair_ : newest_) =
-            std::make_shared<NewestFrame>(NewestFrame{++frames_, std::move(frame)});
+        ++frames_;
+        if (is_pair) {
+            newest_pair_ = std::make_shared<NewestFrame>(NewestFrame{frames_, std::move(frame)});
+        } else {
+            newest_ =
+                std::make_shared<NewestFrame>(next_frame(*newest_, std::move(frame), frames_));
+        }
         // Until the server has seen who takes this one.
         (is_pair ? wants_pair_ : wants_frame_) = false;
     }

@@ -23,6 +23,9 @@ struct Outgoing {
 struct NewestFrame {
     std::uint64_t sequence = 0;
     Shown shown;
+    /// For a resting frame: a moving frame of the same revision that has layers; may be null.
+    /// Viewers who warp pictures get it, too.
+    std::shared_ptr<const Shown> layers = nullptr;
 };
 
 /// The frames that viewers would take now.

@@ -186,6 +186,9 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
         advise();
     } else if (const auto wanted = wanted_depths(*text)) {
         viewer.wants_depths = *wanted && viewer.role == Role::driver;
+        if (viewer.takes(*mail_.newest())) {
+            lws_callback_on_writable(connection);
+        }
         advise();
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
         viewer.closing = {1013, "Too many messages are waiting for the session."};
@@ -220,11 +223,16 @@ int Loop::on_writable(lws* connection, Socket& socket) {
 }
 
 int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
-    const Shown& shown = frame.shown;
+    const Shown* const next = viewer.next_of(frame);
+    const Shown& shown = next->layers > 1 && !viewer.wants_depths ? flat(*next) : *next;
+    if (encoded_sequence_ != frame.sequence) {
+        encoded_.clear();
+        encoded_sequence_ = frame.sequence;
+    }
     const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
-    const std::string& picture = encoded(frame, quality);
+    const std::string& picture = encoded(shown, quality);
     const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && shown.depths;
-    const std::string_view depths = has_depths ? encoded_depths(frame) : std::string_view();
+    const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
     if (!shown.rests) {
         viewer.link.encoded(quality, shown.pixels->size(), picture.size() + depths.size());
     }
@@ -252,24 +260,32 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
 }
 
-const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
-    if (encoded_sequence_ != frame.sequence) {
-        encoded_.clear();
+/// The frame for a viewer who shows no layers.
+const Shown& Loop::flat(const Shown& frame) {
+    if (flat_of_ != frame.pixels) {
+        flat_ = frame;
+        flat_.pixels = std::make_shared<const std::vector<std::uint32_t>>(
+            blended(*frame.pixels, frame.views, frame.opacity));
+        flat_.depths = nullptr;
+        flat_.layers = 1;
+        flat_.opacity = 0;
+        flat_of_ = frame.pixels;
     }
-    encoded_sequence_ = frame.sequence;
-    std::string& picture = encoded_[quality];
-    const Shown& shown = frame.shown;
+    return flat_;
+}
+
+const std::string& Loop::encoded(const Shown& frame, int quality) {
+    std::string& picture = encoded_[{frame.pixels, quality}];
     if (picture.empty()) {
-        const int height = shown.pictures() * shown.height;
-        picture = quality == 0 ? png_of(shown.width, height, *shown.pixels)
-                               : jpeg_of(shown.width, height, *shown.pixels, quality);
+        const int height = frame.pictures() * frame.height;
+        picture = quality == 0 ? png_of(frame.width, height, *frame.pixels)
+                               : jpeg_of(frame.width, height, *frame.pixels, quality);
     }
     return picture;
 }
 
 /// Refinements of a picture share the depths, which are packed once.
-const std::string& Loop::encoded_depths(const NewestFrame& frame) {
-    const Shown& shown = frame.shown;
+const std::string& Loop::encoded_depths(const Shown& shown) {
     if (encoded_depths_of_ != shown.depths) {
         encoded_depths_of_ = shown.depths;
         encoded_depths_.clear();  // A picture without depths is better than none.

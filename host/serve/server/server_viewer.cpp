@@ -72,8 +72,13 @@ std::optional<Outgoing> Viewer::next_message() {
     return message;
 }
 
-bool Viewer::takes(const NewestFrame& frame) const {
-    return has_room() && frame.sequence > newest_sent(frame);
+const Shown* Viewer::next_of(const NewestFrame& frame) const {
+    if (frame.sequence > newest_sent(frame)) {
+        return &frame.shown;
+    }
+    const bool lacks_layers =
+        wants_depths && frame.layers && frame.layers->revision != layers_sent_;
+    return lacks_layers ? frame.layers.get() : nullptr;
 }
 
 bool Viewer::wants_newer(const NewestFrame& frame) const {
@@ -85,6 +90,10 @@ bool Viewer::has_room() const {
 }
 
 std::uint32_t Viewer::count_frame(const NewestFrame& frame) {
+    const Shown* const next = next_of(frame);
+    if (next != nullptr && next->layers > 1 && wants_depths) {
+        layers_sent_ = next->revision;
+    }
     (frame.shown.viewer == 0 ? newest_sent_ : newest_pair_sent_) = frame.sequence;
     return ++frames_;
 }

@@ -48,10 +48,13 @@ class Viewer {
 
     /// Whether the frame is news to it, and it has room for one. The first message is a text, in
     /// which the session greets the viewer.
-    bool takes(const NewestFrame& frame) const;
+    bool takes(const NewestFrame& frame) const { return has_room() && next_of(frame) != nullptr; }
+    /// The picture of the frame that it gets next: the frame itself, or its layers. Null if it has
+    /// both.
+    const Shown* next_of(const NewestFrame& frame) const;
     /// Whether it would take a frame newer than this one.
     bool wants_newer(const NewestFrame& frame) const;
-    /// Notes that the frame goes out now; returns its number for this viewer.
+    /// Notes that next_of(frame) goes out now; returns its number for this viewer.
     std::uint32_t count_frame(const NewestFrame& frame);
 
   private:
@@ -68,6 +71,7 @@ class Viewer {
     std::size_t waiting_bytes_ = 0;
     bool is_greeted_ = false;
     std::uint64_t newest_sent_ = 0, newest_pair_sent_ = 0;
+    std::uint32_t layers_sent_ = 0;  ///< Revision of the newest layers; 0: none.
     std::uint32_t frames_ = 0;
 };
 

@@ -2,8 +2,9 @@
 //
 // It prints its two addresses and then each event. A viewer's text `{"echo":x}` comes back to it;
 // `{"frame":[width,height,revision,rests,depths]}` shows a frame whose colors follow from the
-// revision, and with depths if the last word is true; two more words, a pose and a viewer, make it
-// a pair for that viewer, who wears a headset after `{"wear":[viewer,pixels]}`;
+// revision, and with depths if the last word is true. Another `true` makes it a frame of two
+// layers; a pose and a viewer instead make it a pair for that viewer, who wears a headset after
+// `{"wear":[viewer,pixels]}`;
 // `{"texts":[count,bytes]}` sends so many texts; `{"binary":bytes}` one binary message;
 // `{"say":x}` goes to all; `{"wants":0}` reports if a frame is wanted.
 #include <fmt/format.h>
@@ -33,6 +34,9 @@ serve::Shown frame_of(const Json& words) {
         frame.views = 2;
         frame.pose = words[5];
         frame.viewer = words[6];
+    } else if (words.size() > 5 && words[5]) {
+        frame.layers = 2;
+        frame.opacity = 6;
     }
     std::vector<std::uint32_t> pixels(
         static_cast<std::size_t>(frame.pictures() * frame.width * frame.height));

@@ -92,6 +92,31 @@ TEST_CASE("a JPEG holds a smooth picture, red still red, the better the higher i
     CHECK(good < poor);
 }
 
+TEST_CASE("layers are blended by sixteenths, for each view and channel") {
+    const Pixels behind = noise(), front = gradient();
+    Pixels stack;
+    for (const Pixels& each : {behind, front, front, behind}) {
+        stack.insert(stack.end(), each.begin(), each.end());
+    }
+    for (const int opacity : {1, 6, 15}) {
+        const Pixels flat = blended(stack, 2, opacity);
+        REQUIRE(flat.size() == 2 * behind.size());
+        for (std::size_t i = 0; i < flat.size(); ++i) {
+            const std::size_t at = i % behind.size();
+            const bool is_second = i >= behind.size();
+            for (unsigned shift = 0; shift < 32; shift += 8) {
+                const auto channel = [&](const Pixels& pixels) {
+                    return static_cast<int>(pixels[at] >> shift & 0xffU);
+                };
+                const int below = channel(is_second ? front : behind);
+                const int above = channel(is_second ? behind : front);
+                const int mean = (above * opacity + below * (16 - opacity) + 8) / 16;
+                REQUIRE(static_cast<int>(flat[i] >> shift & 0xffU) == mean);
+            }
+        }
+    }
+}
+
 TEST_CASE("a frame's header has its fields where the protocol puts them") {
     FrameHeader header;
     header.number = 0x01020304;

@@ -49,3 +49,35 @@ TEST_CASE("what a viewer said is heard after it left, and a known viewer leaves"
     CHECK(mail.push(Left{2}));
     CHECK(words(mail.take()) == "left 2");
 }
+
+TEST_CASE("a resting picture keeps the layers of its state, whichever comes first") {
+    Mail mail;
+    mail.wake_server = [] {};
+    const auto show = [&](std::uint32_t revision, bool rests, int layers) {
+        Shown frame;
+        frame.revision = revision;
+        frame.rests = rests;
+        frame.layers = layers;
+        mail.show(frame);
+        return mail.newest();
+    };
+    auto newest = show(1, true, 1);
+    CHECK(newest->layers == nullptr);
+    newest = show(1, false, 2);
+    CHECK(newest->sequence == 1);
+    CHECK(newest->shown.rests);
+    REQUIRE(newest->layers != nullptr);
+    CHECK(newest->layers->layers == 2);
+    newest = show(1, true, 1);  // A refinement.
+    CHECK(newest->sequence == 2);
+    CHECK(newest->layers != nullptr);
+    newest = show(2, false, 2);
+    CHECK(newest->sequence == 3);
+    CHECK(newest->shown.layers == 2);
+    CHECK(newest->layers == nullptr);
+    newest = show(2, true, 1);
+    CHECK(newest->sequence == 4);
+    REQUIRE(newest->layers != nullptr);
+    CHECK(newest->layers->revision == 2);
+    CHECK(show(3, true, 1)->layers == nullptr);
+}

@@ -247,8 +247,8 @@ class Messages(Case):
 
 
 class Frames(Case):
-    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False):
-        viewer.send(json.dumps({"frame": [*size, revision, rests, depths]}))
+    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False, layers=False):
+        viewer.send(json.dumps({"frame": [*size, revision, rests, depths, layers]}))
 
     def frame(self, viewer):
         """The next frame's header as a dict, and its picture."""
@@ -304,6 +304,40 @@ class Frames(Case):
         watcher = self.join(self.server.watch_url)  # It must not slow down the driver's machine.
         watcher.send('{"depths":true}')
         self.assertFalse(self.ask(warps, wants=0)["depths"])
+
+    def test_layers_are_blended_for_who_wants_no_depths(self):
+        plain, warps = self.join(), self.join()
+        warps.send('{"depths":true}')
+        self.sync(warps)
+        self.show(plain, 1, depths=True, layers=True)
+        flat, _ = self.frame(plain)
+        self.assertEqual((flat["layers"], flat["opacity"], flat["depth_bytes"]), (1, 0, 0))
+        head, bytes_ = self.frame(warps)
+        self.assertEqual((head["layers"], head["opacity"], head["height"]), (2, 6, 48))
+        self.assertGreater(head["depth_bytes"], 0)
+        self.assertGreater(head["picture_bytes"], 1.5 * flat["picture_bytes"])
+        first, = struct.unpack_from("<I", bytes_, head["picture_bytes"])
+        second, = struct.unpack_from("<I", bytes_, head["picture_bytes"] + 4 + first)
+        self.assertEqual(head["depth_bytes"], 8 + first + second)
+
+    def test_layers_of_the_resting_picture_go_to_who_warps(self):
+        plain, warps = self.join(), self.join()
+        warps.send('{"depths":true}')
+        self.sync(warps)
+        self.show(plain, 1, rests=True)
+        self.show(plain, 1, depths=True, layers=True)
+        heads = [self.frame(warps)[0] for _ in range(2)]
+        self.assertEqual([(head["number"], head["flags"], head["layers"]) for head in heads],
+                         [(1, 1, 1), (2, 0, 2)])
+        late = self.join()
+        self.assertEqual(self.frame(late)[0]["flags"], 1)
+        late.send('{"depths":true}')
+        self.assertEqual(self.frame(late)[0]["layers"], 2)
+        self.assertEqual(self.frame(plain)[0]["flags"], 1)
+        self.shown(plain, 1)
+        self.shown(warps, 2)
+        self.show(plain, 2)
+        self.assertEqual([self.frame(each)[0]["revision"] for each in (plain, warps)], [2, 2])
 
     def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
         viewer = self.join()

@@ -61,6 +61,32 @@ TEST_CASE("more than 8 MiB in wait for a viewer close it, one large message does
     CHECK_FALSE(viewer.has_messages());
 }
 
+TEST_CASE("who warps pictures gets the layers of the resting picture once") {
+    Viewer viewer(1, Role::driver);
+    viewer.line_up(text(1));
+    viewer.next_message();
+    auto layers = std::make_shared<Shown>();
+    layers->layers = 2;
+    layers->revision = 7;
+    NewestFrame newest{5, {}, layers};
+    CHECK(viewer.next_of(newest) == &newest.shown);
+    viewer.count_frame(newest);
+    CHECK_FALSE(viewer.takes(newest));
+    viewer.wants_depths = true;
+    CHECK(viewer.takes(newest));
+    CHECK(viewer.next_of(newest) == layers.get());
+    viewer.count_frame(newest);
+    CHECK_FALSE(viewer.takes(newest));
+    viewer.link.shown(2, 0);
+    const NewestFrame moving{6, *layers, nullptr};  // A viewer who had it does not get it again.
+    viewer.count_frame(moving);
+    newest.sequence = 7;
+    viewer.count_frame(newest);
+    CHECK(viewer.next_of(newest) == nullptr);
+    layers->revision = 8;
+    CHECK(viewer.next_of(newest) == layers.get());
+}
+
 TEST_CASE("a viewer takes each frame once, and no third while two are unacknowledged") {
     Viewer viewer(1, Role::driver);
     CHECK_FALSE(viewer.takes(frame(5)));

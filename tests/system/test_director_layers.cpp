@@ -1,0 +1,120 @@
+// The director's frames while one surface is transparent: two layers, of which one lies over the
+// other.
+#include <doctest/doctest.h>
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "tests/system/theatre.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::host::serve;
+using namespace pxpl5::test;
+
+namespace {
+
+using Words = std::vector<std::uint32_t>;
+
+/// One half of the words of a frame with two layers.
+Words layer(const std::shared_ptr<const Words>& words, int index) {
+    const auto half = static_cast<std::ptrdiff_t>(words->size() / 2);
+    return {words->begin() + index * half, words->begin() + (index + 1) * half};
+}
+
+}  // namespace
+
+TEST_CASE("while the camera moves, the only transparent surface is a layer of its own") {
+    Theatre stage;
+    stage.watchers.wants_depths = true;
+    int id = 0;
+    const auto does = [&](const std::string& line) {
+        stage.watchers.frames.clear();
+        stage.watchers.does(++id, line);
+        stage.settle();
+        CAPTURE(stage.watchers.reply(id).dump());
+        REQUIRE(stage.watchers.reply(id)["ok"] == true);
+    };
+    const auto drawn = [&] {
+        return stage.director.session()
+            .frames.draw_samples(1, {}, ReadBack::pixels_and_depths)
+            .value();
+    };
+    does("clip P 0");  // The inner surface is seen as well.
+    std::string transparent = stage.watchers.last("state")["surfaces"][0]["name"];
+    std::uint32_t index = 1;
+    SUBCASE("in front") {
+        does("surface second iso=0.3");
+    }
+    SUBCASE("inside") {
+        does("surface second iso=0.3");
+        transparent = "second";
+        index = 2;
+    }
+    SUBCASE("at the same place, first in the list") {
+        does("surface second iso=" +
+             stage.watchers.last("state")["surfaces"][0]["isovalue"].dump());
+    }
+    SUBCASE("at the same place, second in the list") {
+        does("surface second iso=" +
+             stage.watchers.last("state")["surfaces"][0]["isovalue"].dump());
+        transparent = "second";
+        index = 2;
+    }
+    does("surface " + transparent + " opacity=0.375");
+    does("view 10 20");
+    REQUIRE(stage.watchers.frames.size() == 4);  // The layers, then 1, 4 and 16 samples.
+    const serve::Shown frame = stage.watchers.frames[0];
+    for (std::size_t i = 1; i < 4; ++i) {
+        CHECK(stage.watchers.frames[i].rests);
+        CHECK(stage.watchers.frames[i].layers == 1);
+        CHECK(stage.watchers.frames[i].revision == frame.revision);
+    }
+    CHECK(!frame.rests);
+    CHECK(std::array{frame.width, frame.height, frame.layers, frame.opacity} ==
+          std::array{128, 96, 2, 6});
+    REQUIRE(frame.pixels->size() == 2 * 128 * 96);
+    REQUIRE(frame.depths->size() == 2 * 128 * 96);
+    does("surface " + transparent + " visible=no");
+    const Picture behind = drawn();
+    CHECK(layer(frame.pixels, 0) == behind.rgba);
+    CHECK(layer(frame.depths, 0) == behind.depths);
+    does("surface " + transparent + " visible=yes opacity=1");
+    const Picture whole = drawn();
+    CHECK(layer(frame.pixels, 1) == whole.rgba);
+    Words shows = whole.depths;
+    for (std::uint32_t& word : shows) {
+        word = (word & 0xffU) == index ? (word & ~0xffU) + 1 : 0;  // The first of its own picture.
+    }
+    CHECK(layer(frame.depths, 1) == shows);
+}
+
+TEST_CASE("a state at rest gets layers once, and only for who asks") {
+    Theatre stage;
+    const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
+    stage.watchers.does(1, "surface " + name + " opacity=0.5");
+    stage.settle();
+    stage.watchers.frames.clear();
+    stage.watchers.wants_depths = true;
+    stage.settle();
+    REQUIRE(stage.watchers.frames.size() == 1);
+    CHECK(stage.watchers.frames[0].layers == 2);
+    CHECK(!stage.watchers.frames[0].rests);
+    stage.watchers.wants_depths = false;
+    stage.settle();
+    stage.watchers.wants_depths = true;
+    stage.settle();
+    CHECK(stage.watchers.frames.size() == 1);
+    stage.watchers.does(2, "light 1 10 10");  // The camera stays: the page needs no warped picture.
+    stage.steps();
+    CHECK(stage.watchers.frames.back().layers == 1);
+    stage.settle();
+    stage.watchers.frames.clear();
+    stage.watchers.wants_depths = false;
+    stage.watchers.does(3, "view 10 20");
+    stage.settle();
+    for (const serve::Shown& frame : stage.watchers.frames) {
+        CHECK(frame.layers == 1);
+    }
+}
