@@ -2,13 +2,12 @@
 // is on the screen while the machine is late.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 import { bin, browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
-import { treeOf } from '../processes.js';
 import { after, drag, middleOf, rawSocket, say, settled, state, stateWhen, unfold }
   from '../steps.js';
+import { pixelsOf, similarity, whileStopped } from './screen.js';
 import { comparePictures, keepFrames, loadModules, warpedFrame } from './warping.js';
 
 const SEED = process.env.PXPL5_SEED ?? '1993';
@@ -23,7 +22,7 @@ let raw;
 // A GP is stopped below, which is no failure of the machine here.
 usePage(['phantom:pelvis', 'resample=128x128x96', '--set', 'heartbeat.misses=0'], async () => {
   raw = await rawSocket(page, server.url);
-  // The skin of the phantom is transparent: such pictures have no depths.
+  // The transparent skin of the phantom is the subject of layers.test.js.
   await after(page, () => say(raw, 'surface skin visible=no'),
               now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
 });
@@ -138,7 +137,8 @@ test('a drag leads to the view that the page has shown', async () => {
 test('from the viewpoint drawn for, the warped picture is the picture', async () => {
   const keeping = await openKeeping();
   const index = await keptOf(keeping.page, 'view 30 15 roll=5 fit=yes');
-  const { differing, covered, background } = await keeping.page.evaluate(warpedFrame, index);
+  const { differing, covered, background } = await keeping.page.evaluate(warpedFrame,
+                                                                        ['kept', index, 0]);
   assert.equal(differing, 0, `${differing} pixels differ, of ${covered} with a surface`);
   assert.ok(covered > 10_000 && background > 10_000, `${covered} ${background}`);
   await keeping.close();
@@ -158,7 +158,8 @@ test('from a viewpoint aside, the warped picture is nearly the exact one', async
       `pan=${now.pan_mm}`;
     const pair = [await keptOf(keeping.page, words(from)),
                   await keptOf(keeping.page, words({ ...from, ...view }))];
-    const found = await keeping.page.evaluate(comparePictures, pair);
+    const found = await keeping.page.evaluate(comparePictures,
+                                              pair.map(index => ['kept', index]));
     t.diagnostic(`${name}: ${found.warped_db.toFixed(1)} dB, as it was ` +
       `${found.late_db.toFixed(1)} dB; unknown ${(100 * found.unknown).toFixed(2)} %; ` +
       `of ${found.bytes} bytes ${found.depth_bytes} are depths`);
@@ -170,27 +171,17 @@ test('from a viewpoint aside, the warped picture is nearly the exact one', async
   await keeping.close();
 });
 
-/** The processes of the GPs. */
-function gps() {
-  return treeOf(server.child.pid).filter(pid =>
-    readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0')[0].endsWith('pxpl5-gp'));
-}
-
 test('while a GP is stopped the picture follows the pointer, and rests exact afterwards',
      async () => {
   await after(page, () => say(raw, 'view anterior fit=yes'));
   const at = await middleOf(byId('stage'));
-  const stopped = gps();
-  assert.ok(stopped.length > 0);
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
   await page.mouse.move(at.x + 8, at.y);
   await page.waitForFunction(() => globalThis.pxpl5.warp.draws > 0);
-  for (const pid of stopped) process.kill(pid, 'SIGSTOP');
-  let end;
-  try {
+  await whileStopped(async () => {
     // What was under way when the GPs stopped may still arrive.
-    let frames = -1;
+    let frames = -1, last;
     const pictures = new Set();
     const begin = performance.now();
     for (let i = 1; i < 8 || performance.now() - begin < STOPPED_MS; i++) {
@@ -199,17 +190,15 @@ test('while a GP is stopped the picture follows the pointer, and rests exact aft
       const now = await page.evaluate(() => globalThis.pxpl5.frames);
       if (i === 3) frames = now;
       if (i >= 3) pictures.add((await byId('stage').screenshot()).toString('base64'));
-      end = { frames: now, i };
+      last = { frames: now, i };
     }
-    assert.equal(end.frames, frames, 'the machine draws although its GPs are stopped');
-    assert.equal(pictures.size, end.i - 2, 'each move shows another picture');
+    assert.equal(last.frames, frames, 'the machine draws although its GPs are stopped');
+    assert.equal(pictures.size, last.i - 2, 'each move shows another picture');
     assert.ok(await page.evaluate(() => globalThis.pxpl5.warp.warped));
     assert.equal(await byId('badge-quality').textContent(), 'warped');
     assert.equal(await byId('badge-digest').textContent(), '');
     await shoot(page, 'warp-stopped');
-  } finally {
-    for (const pid of stopped) process.kill(pid, 'SIGCONT');
-  }
+  });
   await page.mouse.up();
   await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
   const rested = await settled(page);
@@ -221,39 +210,17 @@ test('while a GP is stopped the picture follows the pointer, and rests exact aft
   await plain.close();
 });
 
-/** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */
-function similarity(page, ...screenshots) {
-  return page.evaluate(async files => {
-    const [a, b] = await Promise.all(files.map(async file => {
-      const bytes = Uint8Array.from(atob(file), each => each.charCodeAt(0));
-      const bitmap = await createImageBitmap(new Blob([bytes]));
-      // Scaled down by 4, each pixel is the mean of 16.
-      const [width, height] = [bitmap.width, bitmap.height].map(px => Math.floor(px / 4));
-      const context = new OffscreenCanvas(width, height).getContext('2d');
-      context.drawImage(bitmap, 0, 0, 4 * width, 4 * height, 0, 0, width, height);
-      return context.getImageData(0, 0, width, height).data;
-    }));
-    const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
-    return 10 * Math.log10(255 * 255 * a.length / sum);
-  }, screenshots.map(each => each.toString('base64')));
-}
-
 test('the screen shows where the picture will be', async t => {
   await after(page, () => say(raw, 'view anterior fit=yes'));
   const at = await middleOf(byId('stage'));
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
-  const stopped = gps();
   const late = await byId('stage').screenshot();
-  let warped;
-  for (const pid of stopped) process.kill(pid, 'SIGSTOP');
-  try {
+  const warped = await whileStopped(async () => {
     await page.mouse.move(at.x + 9, at.y + 5);
     await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
-    warped = await byId('stage').screenshot();
-  } finally {
-    for (const pid of stopped) process.kill(pid, 'SIGCONT');
-  }
+    return byId('stage').screenshot();
+  });
   await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
   await settled(page);
   const exact = await byId('stage').screenshot();
@@ -263,15 +230,6 @@ test('the screen shows where the picture will be', async t => {
   t.diagnostic(`${found.toFixed(1)} dB, as it was ${before.toFixed(1)} dB`);
   assert.ok(found >= LEAST_PSNR_DB && found >= before + SCREEN_GAIN_DB, `${found} ${before} dB`);
 });
-
-/** The pixels of the picture's canvas, as text. */
-function pixelsOf(page) {
-  return page.getByTestId('frame').evaluate(async canvas => {
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const digest = await crypto.subtle.digest('SHA-256', data);
-    return `${canvas.width} ${canvas.height} ${new Uint8Array(digest).join()}`;
-  });
-}
 
 test('the view on the screen never goes back while it turns one way', async () => {
   await after(page, () => say(raw, 'view 180 0 roll=0 fit=yes'));
@@ -312,20 +270,16 @@ test('the view on the screen never goes back while it turns one way', async () =
 test('the wheel and a command: zoomed at once, and a named view is not warped', async () => {
   await after(page, () => say(raw, 'view anterior fit=yes'));
   const at = await middleOf(byId('stage'));
-  const stopped = gps();
   const { zoom } = (await state(page)).camera;
   await page.mouse.move(at.x, at.y);
-  for (const pid of stopped) process.kill(pid, 'SIGSTOP');
-  try {
+  await whileStopped(async () => {
     await page.mouse.wheel(0, -120);
     await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
     const { view } = await page.evaluate(() => globalThis.pxpl5.warp);
     assert.ok(view.zoom > zoom * 1.1, `${view.zoom} ${zoom}`);
     await page.mouse.dblclick(at.x, at.y);
     await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
-  } finally {
-    for (const pid of stopped) process.kill(pid, 'SIGCONT');
-  }
+  });
   await settled(page);
 });
 
@@ -338,12 +292,15 @@ async function warpedWhileTurning(page) {
   return await draws() - before;
 }
 
-test('without warp, with a screen door and in stereo the page shows each picture itself',
+test('without warp, with two screen doors and in stereo the page shows each picture itself',
      async () => {
   assert.ok(await warpedWhileTurning(page) > 0);
   await after(page, () => say(raw, 'surface bone opacity=0.5'));
-  assert.equal(await warpedWhileTurning(page), 0, 'a screen door');
+  assert.ok(await warpedWhileTurning(page) > 0);
+  await after(page, () => say(raw, 'surface skin visible=yes'));
+  assert.equal(await warpedWhileTurning(page), 0, 'two screen doors');
   await after(page, () => say(raw, 'surface bone opacity=1'));
+  await after(page, () => say(raw, 'surface skin visible=no'));
   await after(page, () => say(raw, 'stereo anaglyph'));
   assert.equal(await warpedWhileTurning(page), 0, 'stereo');
   await after(page, () => say(raw, 'stereo off'));

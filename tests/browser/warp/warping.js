@@ -1,17 +1,24 @@
 // Functions that run in the page: they keep frames with depths, and compare warped pictures.
 
-/** Runs before the page's own code: keeps resting frames of one sample with depths. */
+/**
+ * Runs before the page's own code: keeps resting frames of one sample with depths, frames of two
+ * layers, and refined frames.
+ */
 export function keepFrames() {
   const Plain = globalThis.WebSocket;
-  globalThis.kept = [];
+  Object.assign(globalThis, { kept: [], layered: [], refined: [] });
   globalThis.WebSocket = class extends Plain {
     set onmessage(take) {
       this.addEventListener('message', event => {
         const view = typeof event.data === 'string' ? null : new DataView(event.data);
-        if (view?.getUint32(0, true) === 0x46523550 && view.getUint8(19) & 1 &&
-            view.getUint8(18) === 1 && view.getUint32(44, true) > 0) {
-          globalThis.kept.push({ message: event.data, state: globalThis.pxpl5.state,
-                                 revision: view.getUint32(8, true) });
+        if (view?.getUint32(0, true) === 0x46523550) {
+          const frame = { message: event.data, state: globalThis.pxpl5.state,
+                          revision: view.getUint32(8, true) };
+          const [samples, flags, layers] = [18, 19, 53].map(at => view.getUint8(at));
+          const hasDepths = view.getUint32(44, true) > 0;
+          if (flags & 1 && samples === 1 && hasDepths) globalThis.kept.push(frame);
+          if (layers === 2 && hasDepths) globalThis.layered.push(frame);
+          if (flags & 2) globalThis.refined.push(frame);
         }
         take(event);
       });
@@ -26,29 +33,47 @@ export async function loadModules() {
                     lean: await load('picture/lean_depths.js'),
                     painter: await load('picture/warp_painter.js'),
                     messages: await load('link/messages.js') };
-  /** A kept frame, decoded; `pixels` has red, green, blue, alpha. */
+  /**
+   * A kept frame, decoded. `pixels` has red, green, blue, alpha of the layers over each other, each
+   * where it shows a surface; `flat` has the mean of both layers everywhere.
+   */
   modules.open = async ({ message, state }) => {
     const { header, picture, depths } = modules.messages.parseFrame(message);
-    const bitmap = await createImageBitmap(new Blob([picture], { type: 'image/png' }));
-    const { width, height } = bitmap;
-    const context = new OffscreenCanvas(width, height).getContext('2d');
+    const bitmap = await createImageBitmap(new Blob([picture], { type: `image/${header.kind}` }));
+    const { width, height, layers } = header;
+    const context = new OffscreenCanvas(width, layers * height).getContext('2d');
     context.drawImage(bitmap, 0, 0);
-    const lean = await modules.lean.unpack(depths[0], width, height);
-    const shows = (x, y) => lean.mask[y * Math.ceil(width / 8) + (x >> 3)] >> (x & 7) & 1;
-    return { header, bitmap, lean, shows, width, height, camera: state.camera, state,
-             depth_bytes: depths[0].length, bytes: message.byteLength,
-             pixels: context.getImageData(0, 0, width, height).data };
+    const leans = await Promise.all(depths.map(each =>
+      modules.lean.unpack(each, width, height)));
+    const isIn = ({ mask }, x, y) => mask[y * Math.ceil(width / 8) + (x >> 3)] >> (x & 7) & 1;
+    const shows = (x, y) => leans.some(lean => isIn(lean, x, y)) ? 1 : 0;
+    const pixels = context.getImageData(0, 0, width, height).data;
+    const flat = pixels.slice();
+    const share = header.opacity / 16;
+    const front = layers > 1 && context.getImageData(0, height, width, height).data;
+    const empty = [1, 3, 5].map(at => parseInt(state.background.slice(at, at + 2), 16));
+    for (let at = 0; front && at < pixels.length; at++) {
+      const x = (at >> 2) % width, y = Math.floor((at >> 2) / width), channel = at & 3;
+      flat[at] = Math.round(front[at] * share + pixels[at] * (1 - share));
+      if (!isIn(leans[0], x, y) && channel < 3) pixels[at] = empty[channel];
+      if (isIn(leans[1], x, y)) pixels[at] = Math.round(front[at] * share +
+                                                        pixels[at] * (1 - share));
+    }
+    return { header, bitmap, leans, shows, width, height, camera: state.camera, state, pixels, flat,
+             depth_bytes: depths.reduce((sum, each) => sum + each.length, 0), bytes: message.byteLength };
   };
-  /** The pixels of a frame as seen from a view, and the share that is drawn. */
-  modules.warp = (frame, view, background) => {
+  /** The pixels of a frame as seen from a view. */
+  modules.warp = (frame, view, background, hatches = true) => {
     const canvas = document.createElement('canvas');
     const painter = new modules.painter.WarpPainter(canvas);
+    if (!hatches) painter.hatch_ = () => {};
     const { cameraAt, multiply, inverse } = modules.camera, aspect = frame.width / frame.height;
     const clip = each => cameraAt(each, frame.camera, aspect).patient_to_clip;
-    painter.take(frame.bitmap, [frame.lean]);
+    painter.take(frame.bitmap, frame.leans);
     painter.begin(frame.width, frame.height, background);
-    painter.draw(0, multiply(clip(view), inverse(clip(frame.camera))),
-                 view.zoom / frame.camera.zoom);
+    const warp = multiply(clip(view), inverse(clip(frame.camera)));
+    frame.leans.forEach((_, layer) => painter.draw(layer, warp, view.zoom / frame.camera.zoom,
+                                                   layer ? frame.header.opacity / 16 : 1));
     const gl = canvas.getContext('webgl2'), { width, height } = frame;
     const bottomUp = new Uint8Array(width * height * 4), pixels = new Uint8Array(bottomUp.length);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bottomUp);
@@ -59,46 +84,61 @@ export async function loadModules() {
     gl.getExtension('WEBGL_lose_context').loseContext();
     return pixels;
   };
-  globalThis.modules = modules;
-}
-
-/** A kept frame, warped to its own viewpoint, beside the frame itself. */
-export async function warpedFrame(index) {
-  const { modules, kept } = globalThis;
-  const frame = await modules.open(kept[index]);
-  const pixels = modules.warp(frame, frame.camera, frame.state.background);
-  let differing = 0, covered = 0;
-  for (let at = 0; at < pixels.length; at += 4) {
-    covered += frame.shows(at / 4 % frame.width, Math.floor(at / 4 / frame.width));
-    differing += [0, 1, 2].some(k => pixels[at + k] !== frame.pixels[at + k]) ? 1 : 0;
-  }
-  return { differing, covered, background: frame.width * frame.height - covered };
-}
-
-/** A kept frame warped to the viewpoint of another, beside the other. */
-export async function comparePictures([first, second]) {
-  const { modules, kept } = globalThis;
-  const [late, exact] = [await modules.open(kept[first]), await modules.open(kept[second])];
-  const { width, height } = exact;
-  // A background that no surface has, to find what is not known.
-  const key = [255, 0, 255];
-  const keyed = modules.warp(late, exact.camera, '#ff00ff');
-  const warped = modules.warp(late, exact.camera, exact.state.background);
-  let unknown = 0, covered = 0;
-  for (let at = 0; at < keyed.length; at += 4) {
-    const shows = exact.shows(at / 4 % width, Math.floor(at / 4 / width));
-    covered += shows;
-    unknown += shows && key.every((part, k) => keyed[at + k] === part) ? 1 : 0;
-  }
-  const mean = (pixels, x, y, k) => {
+  /** A background that no surface has, to find what is not known. */
+  modules.key = '#ff00ff';
+  /** Over this background: nothing is known of the pixel at byte `at`. */
+  modules.isHatched = (pixels, at) => {
+    const [red, green, blue] = pixels.subarray(at, at + 3);
+    return red === blue && (red > 228 && red < 241 && green > 75 && green < 88 ||
+                            red > 242 && red < 255 && green > 18 && green < 31);
+  };
+  modules.isEmpty = (pixels, at) => [255, 0, 255].every((part, k) => pixels[at + k] === part);
+  /** The mean of a channel of the 4 x 4 pixels at (x, y). */
+  modules.mean = (pixels, width, x, y, k) => {
     let sum = 0;
     for (let i = 0; i < 16; i++) sum += pixels[((y + (i >> 2)) * width + x + (i & 3)) * 4 + k];
     return sum / 16;
   };
+  globalThis.modules = modules;
+}
+
+/**
+ * A kept frame, warped to its own viewpoint, beside the frame itself. `differing` counts the pixels
+ * of which a channel differs by more than `least`.
+ */
+export async function warpedFrame([list, index, least]) {
+  const { modules } = globalThis;
+  const frame = await modules.open(globalThis[list][index]);
+  const pixels = modules.warp(frame, frame.camera, frame.state.background);
+  let differing = 0, covered = 0;
+  for (let at = 0; at < pixels.length; at += 4) {
+    covered += frame.shows(at / 4 % frame.width, Math.floor(at / 4 / frame.width));
+    differing += [0, 1, 2].some(k => Math.abs(pixels[at + k] - frame.pixels[at + k]) > least)
+      ? 1 : 0;
+  }
+  return { differing, covered, background: frame.width * frame.height - covered };
+}
+
+/**
+ * A kept frame warped to the viewpoint of another, beside the other. Each is a list with an index.
+ */
+export async function comparePictures(pair) {
+  const { modules } = globalThis;
+  const [late, exact] = await Promise.all(pair.map(([list, index]) =>
+    modules.open(globalThis[list].at(index))));
+  const { width, height } = exact;
+  const keyed = modules.warp(late, exact.camera, modules.key);
+  const warped = modules.warp(late, exact.camera, exact.state.background);
+  const isDark = at => modules.isEmpty(keyed, at) || modules.isHatched(keyed, at);
+  let unknown = 0, covered = 0;
+  for (let at = 0; at < keyed.length; at += 4) {
+    const shows = exact.shows(at / 4 % width, Math.floor(at / 4 / width));
+    covered += shows;
+    unknown += shows && isDark(at) ? 1 : 0;
+  }
   const inBlock = (x, y, holds) => [0, 1, 2, 3].some(i => [0, 1, 2, 3].some(j =>
     holds(x + i, y + j)));
-  const isUnknown = (x, y) => exact.shows(x, y) &&
-    key.every((part, k) => keyed[(y * width + x) * 4 + k] === part);
+  const isUnknown = (x, y) => exact.shows(x, y) && isDark((y * width + x) * 4);
   // Blocks that show a surface. Unknown pixels are counted above, and have no color to compare.
   const db = pixels => {
     let sum = 0, count = 0;
@@ -106,7 +146,8 @@ export async function comparePictures([first, second]) {
       for (let x = 0; x + 4 <= width; x += 4) {
         if (!inBlock(x, y, exact.shows) || inBlock(x, y, isUnknown)) continue;
         for (let k = 0; k < 3; k++) {
-          sum += (mean(pixels, x, y, k) - mean(exact.pixels, x, y, k)) ** 2;
+          sum += (modules.mean(pixels, width, x, y, k) -
+                  modules.mean(exact.pixels, width, x, y, k)) ** 2;
           ++count;
         }
       }
@@ -115,4 +156,86 @@ export async function comparePictures([first, second]) {
   };
   return { warped_db: db(warped), late_db: db(late.pixels), unknown: unknown / covered,
            bytes: late.bytes, depth_bytes: late.depth_bytes };
+}
+
+/** Whether kept frames have one size. Each is a list with an index. */
+export function sameSize(frames) {
+  const sizes = frames.map(([list, index]) => {
+    const view = new DataView(globalThis[list][index].message);
+    return view.getUint32(12, true);  // Width and height.
+  });
+  return sizes.every(size => size === sizes[0]);
+}
+
+/** The PSNR of kept layers and the refined picture of their state, as small pictures. */
+export async function meanSimilarity(index) {
+  const { modules, layered, refined } = globalThis;
+  const layers = await modules.open(layered[index]);
+  const exact = await modules.open(refined.findLast(each =>
+    each.revision === layers.header.revision));
+  const size = [exact.width, exact.height].map(px => Math.floor(px / 8));
+  const [a, b] = [layers, exact].map(({ pixels, width, height }) => {
+    const whole = new OffscreenCanvas(width, height);
+    whole.getContext('2d').putImageData(new ImageData(pixels, width), 0, 0);
+    const context = new OffscreenCanvas(...size).getContext('2d');
+    context.imageSmoothingQuality = 'high';
+    context.drawImage(whole, 0, 0, ...size);
+    return context.getImageData(0, 0, ...size).data;
+  });
+  const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
+  return 10 * Math.log10(255 * 255 * a.length / sum);
+}
+
+/** Keeps the canvas below while it shows a moving picture that has layers. */
+export function watchMoving() {
+  globalThis.moving = null;
+  const look = () => {
+    const { revision, rests } = globalThis.pxpl5;
+    if (!rests && globalThis.layered.some(each => each.revision === revision)) {
+      const canvas = document.querySelector('[data-testid=frame]');
+      const { width, height } = canvas;
+      globalThis.moving = { revision, data: canvas.getContext('2d')
+        .getImageData(0, 0, width, height).data };
+    } else {
+      requestAnimationFrame(look);
+    }
+  };
+  look();
+}
+
+/** How many pixels of that canvas differ by more than `least` from the blended layers. */
+export async function compareMoving(least) {
+  const { modules, layered, moving } = globalThis;
+  const frame = await modules.open(layered.find(each => each.revision === moving.revision));
+  let differing = 0, covered = 0;
+  for (let at = 0; at < moving.data.length; at += 4) {
+    covered += frame.shows(at / 4 % frame.width, Math.floor(at / 4 / frame.width));
+    differing += [0, 1, 2].some(k => Math.abs(moving.data[at + k] - frame.flat[at + k]) > least)
+      ? 1 : 0;
+  }
+  return { differing, covered };
+}
+
+/**
+ * What a kept frame that is warped to the viewpoint of another knows about the other's pixels.
+ * `hatched` counts the hatched pixels among those that show a surface and are not known, `false`
+ * the hatched pixels that show the background, `changed` the known pixels that the hatch changes.
+ */
+export async function hatchedPixels(pair) {
+  const { modules } = globalThis;
+  const [late, exact] = await Promise.all(pair.map(([list, index]) =>
+    modules.open(globalThis[list].at(index))));
+  const found = modules.warp(late, exact.camera, modules.key);
+  const plain = modules.warp(late, exact.camera, modules.key, false);
+  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0 };
+  for (let at = 0; at < found.length; at += 4) {
+    const shows = exact.shows(at / 4 % exact.width, Math.floor(at / 4 / exact.width));
+    const isKnown = !modules.isEmpty(plain, at), isHatched = modules.isHatched(found, at);
+    counts.covered += shows;
+    counts.unknown += shows && !isKnown ? 1 : 0;
+    counts.hatched += shows && !isKnown && isHatched ? 1 : 0;
+    counts.false += !shows && isHatched ? 1 : 0;
+    counts.changed += isKnown && [0, 1, 2].some(k => found[at + k] !== plain[at + k]) ? 1 : 0;
+  }
+  return counts;
 }

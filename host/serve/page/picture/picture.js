@@ -1,5 +1,6 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
+import {LIMITS} from '../link/vocabulary.js';
 import {withTexts} from './png_text.js';
 import {projectToPicture} from './projection.js';
 import {paintLegend, paintSvg} from './svg_paint.js';
@@ -245,13 +246,27 @@ export class PictureView {
    * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
   draw_(header, bitmap, leans) {
-    if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
-      this.canvas_.width = bitmap.width;
-      this.canvas_.height = bitmap.height;
-    }
-    this.context_.drawImage(bitmap, 0, 0);
+    const {width, height, layers, opacity} = header;
     const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
     const camera = known?.camera ?? this.store_.state?.camera ?? null;
+    // Layers of the picture at rest are for warped pictures only.
+    const isForWarp = !header.rests && this.header?.rests
+      && header.revision === this.header.revision;
+    if (isForWarp) {
+      this.warp?.take(header, camera, bitmap, leans);
+      bitmap.close();
+      return;
+    }
+    if (this.canvas_.width !== width || this.canvas_.height !== height) {
+      this.canvas_.width = width;
+      this.canvas_.height = height;
+    }
+    this.context_.drawImage(bitmap, 0, 0);
+    if (layers > 1) {
+      this.context_.globalAlpha = opacity / LIMITS.full_opacity;
+      this.context_.drawImage(bitmap, 0, -height);
+      this.context_.globalAlpha = 1;
+    }
     this.header = header;
     this.drawn_ = camera;
     this.warp?.take(header, camera, bitmap, leans);

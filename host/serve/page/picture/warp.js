@@ -1,5 +1,6 @@
 // Shows the newest picture from the newest viewpoint until the next picture arrives.
 import {byId} from '../elements/dom.js';
+import {LIMITS} from '../link/vocabulary.js';
 import {cameraAt, inverse, isSameView, multiply} from './camera.js';
 import {canUnpack, unpack} from './lean_depths.js';
 import {WarpPainter} from './warp_painter.js';
@@ -15,11 +16,23 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  * Figures for the tests and the machine panel. Times are those of performance.now().
  * @typedef {object} WarpFigures
  * @property {number} draws              Warped pictures since the page was opened.
+ * @property {boolean} ready             Whether the newest picture can be warped.
  * @property {boolean} warped            Whether a warped picture is on the screen.
  * @property {View | null} view          The view on the screen.
  * @property {number[]} pointer_ms       From an input to the picture of its viewpoint.
  * @property {number[]} picture_age_ms   Of each picture on the screen: time since the input that
  *                                       asked for the viewpoint that the machine drew.
+ */
+
+/**
+ * The picture that the painter has.
+ * @typedef {object} Source
+ * @property {CameraState} camera
+ * @property {number} width
+ * @property {number} height
+ * @property {number} revision
+ * @property {number[]} opacities  Of the layers, the first behind.
+ * @property {number} seenAt       Time of the input that asked for the picture; 0: unknown.
  */
 
 /** @param {any[]} list @param {any} value */
@@ -61,9 +74,8 @@ export class Warp {
     this.switched_ = [];
     /** @private */
     this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
-    /** @private The picture that the painter has. */
-    this.source_ = /** @type {{camera: CameraState, width: number, height: number,
-      seenAt: number} | null} */ (null);
+    /** @private @type {Source | null} */
+    this.source_ = null;
     /** @private Camera of the picture below. @type {CameraState | null} */
     this.shown_ = null;
     /** @private */
@@ -73,7 +85,8 @@ export class Warp {
     /** @private @type {{view: View, at: number}[]} */
     this.views_ = [];
     /** @type {WarpFigures} */
-    this.figures = {draws: 0, warped: false, view: null, pointer_ms: [], picture_age_ms: []};
+    this.figures = {draws: 0, ready: false, warped: false, view: null, pointer_ms: [],
+      picture_age_ms: []};
 
     connection.on('hello', () => this.ask_());
     connection.on('lost', () => this.forget());
@@ -124,20 +137,24 @@ export class Warp {
   }
 
   /**
-   * Takes the picture that is now on the canvas below.
+   * Takes the picture that is now on the canvas below, or layers of the state in this picture.
    * @param {FrameHeader} header
    * @param {CameraState | null} camera
    * @param {ImageBitmap} bitmap
    * @param {LeanDepths[] | null} leans
    */
-  take({width, height}, camera, bitmap, leans) {
+  take({width, height, revision, rests, layers, opacity}, camera, bitmap, leans) {
     this.shown_ = camera;
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
     const seenAt = asked?.at ?? 0;
+    const before = this.source_;
     this.source_ = null;
     if (leans && camera && this.painter_) {
       this.painter_.take(bitmap, leans);
-      this.source_ = {camera, width, height, seenAt};
+      const opacities = layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
+      this.source_ = {camera, width, height, revision, opacities, seenAt};
+    } else if (rests && before?.revision === revision) {
+      this.source_ = {...before, seenAt};  // The moving picture had depths: it had layers.
     }
     if (!this.draw_() && seenAt > 0) {
       const age = performance.now() - seenAt;
@@ -207,6 +224,7 @@ export class Warp {
     const {wanted} = this.viewpoint_, state = this.store_.state;
     const isAhead = Boolean(wanted && this.shown_ && !isSameView(wanted, this.shown_));
     const isWarped = Boolean(source && painter && state && isAhead);
+    this.figures.ready = source !== null;
     this.figures.warped = isWarped;
     this.figures.view = isWarped ? wanted : this.shown_;
     this.canvas_.style.visibility = isWarped ? 'visible' : 'hidden';
@@ -218,8 +236,9 @@ export class Warp {
     const from = cameraAt(source.camera, source.camera, aspect);
     const to = cameraAt(wanted, source.camera, aspect);
     painter.begin(source.width, source.height, state.background);
-    painter.draw(0, multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
-      wanted.zoom / source.camera.zoom);
+    const warp = multiply(to.patient_to_clip, inverse(from.patient_to_clip));
+    source.opacities.forEach((opacity, layer) =>
+      painter.draw(layer, warp, wanted.zoom / source.camera.zoom, opacity));
     this.picture_.lookFrom(cameraAt(wanted, source.camera, state.size[0] / state.size[1]));
     this.figures.draws += 1;
     if (source.seenAt > 0) {

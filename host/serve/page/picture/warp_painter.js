@@ -1,15 +1,22 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
-import {CELL_PX, cornerOf, coveredCells, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+import {CELL_PX, coveredCells, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+import {meshOf, SEAM_COLUMNS} from './warp_mesh.js';
+import {HATCH, WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf} from './warp_walls.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 
 /**
- * Nothing is drawn in a cell that became more than this many times longer: the picture has seen its
- * surface at a glancing angle only.
+ * A cell that became more than this many times longer is hatched: the picture has seen its surface
+ * at a glancing angle only.
  */
 export const MOST_STRETCH = 3;
-const SEAM_COLUMNS = 1024;   // Texels per row of the texture of seams.
-const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3;  // Texture units.
+const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3, WALLS = 4;  // Texture units.
+/**
+ * Walls before the background reach so far behind a surface, of the 2 units of depth in clip space:
+ * at least, and more if planes of equal depth have moved against each other. With longer walls most
+ * of the hatch would hide the background; shorter ones miss the back of a bone that turns.
+ */
+const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
 
 /**
  * What is drawn of a picture.
@@ -17,8 +24,11 @@ const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3;  // Texture units.
  * @property {WebGLTexture | null} corners
  * @property {WebGLTexture | null} mask
  * @property {WebGLTexture | null} seams
+ * @property {WebGLTexture | null} walls
  * @property {WebGLBuffer | null} triangles
  * @property {number} count                  Of the triangles' corners.
+ * @property {number} steepAt                Before it are the corners of cells that never tear.
+ * @property {number} wallCount
  */
 
 // A vertex is a corner of a cell, and lies where its depth puts it. The first vertices are the
@@ -32,6 +42,7 @@ uniform usampler2D corners;
 uniform usampler2D seams;
 uniform ivec2 size;
 uniform mat4 warp;
+uniform bool hatches;
 out vec2 at_px;
 flat out uint pixels;
 flat out ivec2 cell_px;
@@ -56,6 +67,9 @@ void main() {
   vec2 across = at_px / vec2(size);
   float depth = (float(lean) - 0.5) / ${MAX_LEAN}.0;
   gl_Position = warp * vec4(across.x * 2.0 - 1.0, 1.0 - across.y * 2.0, depth * 2.0 - 1.0, 1.0);
+  if (hatches) {
+    gl_Position.z = gl_Position.w * 0.999999;  // Only where no surface is.
+  }
 }`;
 
 // The least singular value of the change of place in the picture per pixel of the canvas is the
@@ -69,10 +83,13 @@ uniform usampler2D mask;
 uniform ivec2 size;
 uniform int top;
 uniform float magnification;
+uniform float opacity;
+uniform bool hatches;
 in vec2 at_px;
 flat in uint pixels;
 flat in ivec2 cell_px;
 out vec4 color;
+${HATCH}
 void main() {
   vec2 across = dFdx(at_px) * magnification, down = dFdy(at_px) * magnification;
   float sum = dot(across, across) + dot(down, down);
@@ -90,22 +107,28 @@ void main() {
     place = vec2(pixel) + 0.5;  // Beside the pixel may be another surface.
   }
   uint bits = texelFetch(mask, ivec2(pixel.x >> 3, pixel.y), 0).r;
-  if (is_torn || (bits >> uint(pixel.x & 7) & 1u) == 0u) {
+  if (is_torn != hatches || (bits >> uint(pixel.x & 7) & 1u) == 0u) {
     discard;
+  }
+  if (hatches) {
+    color = hatch();
+    return;
   }
   place = clamp(place, vec2(0.5), vec2(size) - 0.5);  // Below may be another picture.
   place.y += float(top);
-  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, 1.0);
+  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, opacity);
 }`;
 
 /**
+ * A program, and the places of its uniforms by name.
  * @param {WebGL2RenderingContext} gl
- * @returns {WebGLProgram}
+ * @param {string} vertex
+ * @param {string} fragment
  */
-function programOf(gl) {
+function programOf(gl, vertex, fragment) {
   const program = gl.createProgram();
-  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTEX],
-    [gl.FRAGMENT_SHADER, FRAGMENT]])) {
+  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment]])) {
     const shader = /** @type {WebGLShader} */ (gl.createShader(type));
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -117,57 +140,14 @@ function programOf(gl) {
     throw new Error(`the browser refuses the shaders: ${logs.join(' ')} `
       + `${gl.getProgramInfoLog(program)}`);
   }
-  return program;
-}
-
-/**
- * The triangles of all cells that show something, counterclockwise as seen by the camera of the
- * picture, and the texels of the corners of seams.
- * @param {LeanDepths} lean
- * @param {Uint8Array} covered  Of cells.
- */
-function meshOf({columns, rows, seams}, covered) {
-  const inner = covered.slice();
-  for (const {cell} of seams) {
-    inner[cell] = 0;
+  /** @type {Record<string, WebGLUniformLocation | null>} */
+  const places = {};
+  const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) ?? 0;
+  for (let at = 0; at < count; ++at) {
+    const name = gl.getActiveUniform(program, at)?.name ?? '';
+    places[name] = gl.getUniformLocation(program, name);
   }
-  const surfaces = seams.flatMap(({cell, near_pixels, near, far}) => [
-    {cell, pixels: ~near_pixels & 0xffff, depths: far},
-    ...(near_pixels === 0 ? [] : [{cell, pixels: near_pixels, depths: near}])]);
-  let cells = 0;
-  for (const each of inner) {
-    cells += each;
-  }
-  const triangles = new Uint32Array(6 * (cells + surfaces.length));
-  let at = 0;
-  // Two triangles. No arrays are made: there are ten thousands of cells.
-  const add = (/** @type {number} */ corner, /** @type {number} */ right,
-    /** @type {number} */ below) => {
-    triangles[at++] = corner;
-    triangles[at++] = below;
-    triangles[at++] = corner + right;
-    triangles[at++] = corner + right;
-    triangles[at++] = below;
-    triangles[at++] = below + right;
-  };
-  for (let cell = 0; cell < inner.length; ++cell) {
-    if (inner[cell]) {
-      const corner = cornerOf(cell, columns);
-      add(corner, 1, corner + columns);
-    }
-  }
-  const texelRows = Math.max(1, Math.ceil(4 * surfaces.length / SEAM_COLUMNS));
-  const texels = new Uint32Array(2 * SEAM_COLUMNS * texelRows);
-  surfaces.forEach(({cell, pixels, depths}, index) => {
-    const first = columns * rows + 4 * index;
-    add(first, 1, first + 2);
-    const place = cell % (columns - 1) | Math.floor(cell / (columns - 1)) << 16;
-    depths.forEach((depth, corner) => {
-      texels[2 * (4 * index + corner)] = depth | pixels << 16;
-      texels[2 * (4 * index + corner) + 1] = place;
-    });
-  });
-  return {triangles, texels, texelRows};
+  return {program, places};
 }
 
 /** Draws pictures of one size, which lie in one bitmap from top to bottom. */
@@ -186,16 +166,17 @@ export class WarpPainter {
     /** @private */
     this.gl_ = gl;
     /** @private */
-    this.program_ = programOf(gl);
+    this.surfaces_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
-    this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
-      'magnification', 'top'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+    this.walls_ = programOf(gl, WALL_VERTEX, WALL_FRAGMENT);
     /** @private */
     this.colors_ = gl.createTexture();
     /** @private @type {PictureMesh[]} From top to bottom. */
     this.meshes_ = [];
     /** @private Of one picture, pixels. */
     this.size_ = {width: 0, height: 0};
+    /** @private Red, green, blue: 0 to 1. */
+    this.background_ = [0, 0, 0];
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
     gl.enable(gl.DEPTH_TEST);
@@ -213,7 +194,8 @@ export class WarpPainter {
     this.size_ = {width, height};
     while (this.meshes_.length < leans.length) {
       this.meshes_.push({corners: gl.createTexture(), mask: gl.createTexture(),
-        seams: gl.createTexture(), triangles: gl.createBuffer(), count: 0});
+        seams: gl.createTexture(), walls: gl.createTexture(), triangles: gl.createBuffer(),
+        count: 0, steepAt: 0, wallCount: 0});
     }
     leans.forEach((lean, at) => this.fill_(this.meshes_[at], lean));
     this.bind_(COLORS, this.colors_, gl.LINEAR);
@@ -224,7 +206,7 @@ export class WarpPainter {
    * Clears the canvas, which gets this size.
    * @param {number} width       Pixels.
    * @param {number} height
-   * @param {string} background  #rrggbb, where nothing is known.
+   * @param {string} background  #rrggbb, where no surface is.
    */
   begin(width, height, background) {
     const gl = this.gl_, canvas = this.canvas_;
@@ -232,8 +214,8 @@ export class WarpPainter {
       canvas.width = width;
       canvas.height = height;
     }
-    const [red, green, blue] = [1, 3, 5].map(at => parseInt(background.slice(at, at + 2), 16)
-      / 255);
+    this.background_ = [1, 3, 5].map(at => parseInt(background.slice(at, at + 2), 16) / 255);
+    const [red, green, blue] = this.background_;
     gl.viewport(0, 0, width, height);
     gl.clearColor(red, green, blue, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
@@ -244,11 +226,14 @@ export class WarpPainter {
    * @param {number} picture         From the top, from 0.
    * @param {number[]} warp          From the clip space of the picture to the new clip space.
    * @param {number} magnification   New zoom over the zoom of the picture.
+   * @param {number} [opacity]       0 to 1. Below 1, what is drawn already shows through.
    */
-  draw(picture, warp, magnification) {
-    const gl = this.gl_, places = this.places_, {width, height} = this.size_;
+  draw(picture, warp, magnification, opacity = 1) {
+    const gl = this.gl_, {width, height} = this.size_;
     const {corners, mask, seams, triangles, count} = this.meshes_[picture];
-    gl.useProgram(this.program_);
+    const {program, places} = this.surfaces_;
+    const matrix = new Float32Array(warp);
+    gl.useProgram(program);
     this.bind_(CORNERS, corners, gl.NEAREST);
     this.bind_(MASK, mask, gl.NEAREST);
     this.bind_(SEAMS, seams, gl.NEAREST);
@@ -260,9 +245,68 @@ export class WarpPainter {
     gl.uniform2i(places.size, width, height);
     gl.uniform1i(places.top, picture * height);
     gl.uniform1f(places.magnification, magnification);
-    gl.uniformMatrix4fv(places.warp, false, new Float32Array(warp));
+    gl.uniform1f(places.opacity, opacity);
+    gl.uniform3fv(places.background, this.background_);
+    gl.uniform1i(places.hatches, 0);
+    gl.uniformMatrix4fv(places.warp, false, matrix);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
-    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    const draw = () => gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    if (opacity === 1) {
+      draw();
+    } else {
+      this.blend_(draw);
+    }
+    this.hatch_(this.meshes_[picture], matrix);
+  }
+
+  /**
+   * Draws a surface over what is drawn already. From the new viewpoint, parts of the surface may be
+   * behind other parts: only the nearest is seen.
+   * @private
+   * @param {() => void} draw
+   */
+  blend_(draw) {
+    const gl = this.gl_;
+    gl.enable(gl.POLYGON_OFFSET_FILL);
+    gl.polygonOffset(-CELL_PX, 0);
+    gl.colorMask(false, false, false, false);
+    draw();
+    gl.colorMask(true, true, true, true);
+    gl.depthFunc(gl.EQUAL);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    draw();
+    gl.disable(gl.BLEND);
+    gl.depthFunc(gl.LESS);
+    gl.disable(gl.POLYGON_OFFSET_FILL);
+  }
+
+  /**
+   * Hatches what the picture has not seen: cells that became too long, and what its edges hid.
+   * @private
+   * @param {PictureMesh} mesh
+   * @param {Float32Array} matrix
+   */
+  hatch_({count, steepAt, walls, wallCount}, matrix) {
+    const gl = this.gl_;
+    gl.depthFunc(gl.LEQUAL);
+    gl.depthMask(false);
+    gl.uniform1i(this.surfaces_.places.hatches, 1);
+    gl.drawElements(gl.TRIANGLES, count - steepAt, gl.UNSIGNED_INT, 4 * steepAt);
+    const {program, places} = this.walls_;
+    gl.disable(gl.CULL_FACE);
+    gl.useProgram(program);
+    this.bind_(WALLS, walls, gl.NEAREST);
+    gl.uniform1i(places.walls, WALLS);
+    gl.uniform2i(places.size, this.size_.width, this.size_.height);
+    gl.uniform1f(places.opened,
+      OPENED + OPENED_BY_MOVE * Math.hypot(matrix[8], matrix[9]) / matrix[15]);
+    gl.uniform3fv(places.background, this.background_);
+    gl.uniformMatrix4fv(places.warp, false, matrix);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * wallCount);
+    gl.enable(gl.CULL_FACE);
+    gl.depthMask(true);
+    gl.depthFunc(gl.LESS);
   }
 
   /**
@@ -278,13 +322,20 @@ export class WarpPainter {
     this.bind_(MASK, mesh.mask, gl.NEAREST);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, lean.mask);
-    const {triangles, texels, texelRows} = meshOf(lean, coveredCells(lean, width, height));
+    const covered = coveredCells(lean, width, height);
+    const {triangles, steepAt, texels, texelRows} = meshOf(lean, covered);
     this.bind_(SEAMS, mesh.seams, gl.NEAREST);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
       gl.UNSIGNED_INT, texels);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
     gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STREAM_DRAW);
     mesh.count = triangles.length;
+    mesh.steepAt = steepAt;
+    const walls = wallsOf(lean, covered, width, height);
+    this.bind_(WALLS, mesh.walls, gl.NEAREST);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, WALL_COLUMNS, walls.rows, 0, gl.RG_INTEGER,
+      gl.UNSIGNED_INT, walls.texels);
+    mesh.wallCount = walls.count;
   }
 
   /**

@@ -9,7 +9,7 @@ const SETTLE_MS = 200;        // Delay from resizing the panel to resizing the p
 const MOST_AUTO_PX = 1280 * 1024;
 const STEP_PX = 2;            // Sizes are even.
 const WARPED_TITLE = 'The newest picture, shown from the newest viewpoint by its depths until the '
-  + 'next picture arrives. Parts that it has not seen have the background color.';
+  + 'next picture arrives. Hatched parts are not known: the picture has not seen them.';
 const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x1080'];
 
 /** @param {App} app */

@@ -190,7 +190,7 @@ function createWarpSwitch(root, {connection, picture: {warp}}) {
     box.disabled = warp.refusal !== '';
     label.title = box.disabled ? `Not possible here: ${warp.refusal}.`
       : 'While the view moves, shows the newest picture from the newest viewpoint by its depths. '
-        + 'Parts that the picture has not seen have the background color. Not with transparent '
+        + 'Parts that the picture has not seen are hatched. Not with two or more transparent '
         + 'surfaces, nor in stereo.';
   });
 }

@@ -1,0 +1,246 @@
+// The edges of the surfaces in a picture. Behind an edge may be something that the picture does
+// not show, and that becomes visible from another viewpoint.
+import {CELL_PX, cornerOf, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+
+/** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+/** @typedef {import('./lean_depths.js').Seam} Seam */
+
+export const WALL_COLUMNS = 1024;   // Texels per row of the texture of walls.
+const LEAST_STEP = 12;              // Depths of one surface differ less between two pixels.
+const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8;  // Bits of a wall.
+
+/**
+ * A wall stands on the edge between two pixels, along the line of sight.
+ *
+ * | between | the wall reaches |
+ * |---|---|
+ * | two surfaces | from the near one to the far one |
+ * | a surface and the background | from the surface to a little behind it |
+ * | a surface and what is outside of the picture | outwards, far beyond the picture |
+ *
+ * If a surface leaves the picture, there are also long walls around the picture, which reach
+ * outwards in the middle of the depths.
+ *
+ * @param {LeanDepths} lean
+ * @param {Uint8Array} covered  Of cells.
+ * @param {number} width        Of the picture, pixels.
+ * @param {number} height
+ * @returns {{texels: Uint32Array, rows: number, count: number}} two numbers per wall: the place of
+ *   its upper or left end (13 bits each) with its bits above; depths, the front one low
+ */
+export function wallsOf(lean, covered, width, height) {
+  const {columns, rows} = lean, cellsAcross = columns - 1;
+  const surfaces = new Surfaces(lean, width, height);
+  const isEdge = edgeCells(lean, covered, surfaces, height);
+  /** @type {number[]} */
+  const walls = [];
+  let leavesPicture = false;
+  const add = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ bits,
+    /** @type {number} */ front, /** @type {number} */ back) => {
+    walls.push((x | y << 13 | bits << 26) >>> 0, (front | back << 16) >>> 0);
+  };
+  // The edge that begins at (x, y), between a pixel that is inside of the picture and another.
+  const meet = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ bits,
+    /** @type {number} */ otherX, /** @type {number} */ otherY, /** @type {number} */ pixelX,
+    /** @type {number} */ pixelY) => {
+    const atX = bits === ACROSS ? x + 0.5 : x, atY = bits === ACROSS ? y : y + 0.5;
+    const depth = surfaces.depthOf(pixelX, pixelY, atX, atY);
+    if (otherX < 0 || otherY < 0 || otherX >= width || otherY >= height) {
+      if (depth > 0) {
+        add(x, y, bits | BEYOND, depth, depth);
+        leavesPicture = true;
+      }
+      return;
+    }
+    const other = surfaces.depthOf(otherX, otherY, atX, atY);
+    if (depth > 0 && other > 0) {
+      if (Math.abs(depth - other) >= LEAST_STEP) {
+        add(x, y, bits, Math.min(depth, other), Math.max(depth, other));
+      }
+    } else if (depth > 0 || other > 0) {
+      add(x, y, bits | OPEN, Math.max(depth, other), 0);
+    }
+  };
+  for (let row = 0, cell = 0; row + 1 < rows; ++row) {
+    for (let column = 0; column < cellsAcross; ++column, ++cell) {
+      if (!isEdge[cell]) {
+        continue;
+      }
+      // Cells to the right and below see to the common edge themselves.
+      const left = column > 0 && isEdge[cell - 1], up = row > 0 && isEdge[cell - cellsAcross];
+      const right = Math.min(width, CELL_PX * (column + 1));
+      const bottom = Math.min(height, CELL_PX * (row + 1));
+      for (let y = CELL_PX * row; y < bottom; ++y) {
+        for (let x = CELL_PX * column; x < right; ++x) {
+          if (x > CELL_PX * column || !left) {
+            meet(x, y, 0, x - 1, y, x, y);
+          }
+          if (y > CELL_PX * row || !up) {
+            meet(x, y, ACROSS, x, y - 1, x, y);
+          }
+          if (x + 1 === right) {
+            meet(x + 1, y, 0, x + 1, y, x, y);
+          }
+          if (y + 1 === bottom) {
+            meet(x, y + 1, ACROSS, x, y + 1, x, y);
+          }
+        }
+      }
+    }
+  }
+  if (leavesPicture) {
+    const middle = MAX_LEAN + 1 >> 1;
+    for (const [x, y, bits] of [[0, 0, 0], [width, 0, 0], [0, 0, ACROSS], [0, height, ACROSS]]) {
+      add(x, y, bits | BEYOND | LONG, middle, middle);
+    }
+  }
+  const count = walls.length / 2, textureRows = Math.max(1, Math.ceil(count / WALL_COLUMNS));
+  const texels = new Uint32Array(2 * WALL_COLUMNS * textureRows);
+  texels.set(walls);
+  return {texels, rows: textureRows, count};
+}
+
+/** The depths of the surfaces in a picture. */
+class Surfaces {
+  /**
+   * @param {LeanDepths} lean
+   * @param {number} width
+   * @param {number} height
+   */
+  constructor(lean, width, height) {
+    this.lean_ = lean;
+    this.width_ = width;
+    this.height_ = height;
+    this.rowBytes_ = maskRowBytes(width);
+    /** By cell. @type {(Seam | undefined)[]} */
+    this.seams = new Array((lean.columns - 1) * (lean.rows - 1));
+    for (const seam of lean.seams) {
+      this.seams[seam.cell] = seam;
+    }
+  }
+
+  /**
+   * The depth at a place of the surface that a pixel shows; 0 if it shows none.
+   * @param {number} x
+   * @param {number} y
+   * @param {number} atX  On the border of the pixel.
+   * @param {number} atY
+   */
+  depthOf(x, y, atX, atY) {
+    const {mask, corners, columns} = this.lean_;
+    if ((mask[y * this.rowBytes_ + (x >> 3)] >> (x & 7) & 1) === 0) {
+      return 0;
+    }
+    const cell = (y >> 2) * (columns - 1) + (x >> 2), seam = this.seams[cell];
+    const left = x & ~3, top = y & ~3;
+    const u = (atX - left) / Math.min(CELL_PX, this.width_ - left);
+    const v = (atY - top) / Math.min(CELL_PX, this.height_ - top);
+    if (seam) {
+      const isNear = seam.near_pixels >> ((y & 3) * CELL_PX + (x & 3)) & 1;
+      const [a, b, c, d] = isNear ? seam.near : seam.far;
+      return between(a, b, c, d, u, v);
+    }
+    const corner = cornerOf(cell, columns);
+    return between(corners[corner], corners[corner + 1], corners[corner + columns],
+      corners[corner + columns + 1], u, v);
+  }
+}
+
+/** @param {number} a @param {number} b @param {number} c @param {number} d
+ *  @param {number} u @param {number} v */
+function between(a, b, c, d, u, v) {
+  const depth = (a * (1 - u) + b * u) * (1 - v) + (c * (1 - u) + d * u) * v;
+  return Math.max(1, Math.min(MAX_LEAN, Math.round(depth)));
+}
+
+/**
+ * Which cells may have walls: 1 or 0 for each.
+ * @param {LeanDepths} lean
+ * @param {Uint8Array} covered
+ * @param {Surfaces} surfaces
+ * @param {number} height
+ */
+function edgeCells({columns, rows, mask}, covered, surfaces, height) {
+  const across = columns - 1, down = rows - 1;
+  const isEdge = new Uint8Array(covered.length);
+  const rowBytes = mask.length / height;
+  for (let y = 0; y < height; ++y) {
+    const row = (y >> 2) * across;
+    for (let k = 0; k < rowBytes; ++k) {
+      const bits = mask[y * rowBytes + k];
+      if (bits === 0xff) {
+        continue;
+      }
+      if ((bits & 0x0f) !== 0x0f) {
+        isEdge[row + 2 * k] = 1;
+      }
+      if (bits < 0xf0 && 2 * k + 1 < across) {
+        isEdge[row + 2 * k + 1] = 1;
+      }
+    }
+  }
+  for (let row = 0, cell = 0; row < down; ++row) {
+    for (let column = 0; column < across; ++column, ++cell) {
+      const isBorder = row === 0 || column === 0 || row + 1 === down || column + 1 === across;
+      isEdge[cell] = covered[cell] && (isEdge[cell] || surfaces.seams[cell] || isBorder
+        || !(covered[cell - 1] && covered[cell + 1] && covered[cell - across]
+          && covered[cell + across])) ? 1 : 0;
+    }
+  }
+  return isEdge;
+}
+
+// A wall is drawn at the far plane: only where no surface is. The opened depth is in clip space.
+export const WALL_VERTEX = `#version 300 es
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform usampler2D walls;
+uniform ivec2 size;
+uniform mat4 warp;
+uniform float opened;
+float clip_depth(uint lean) {
+  return (float(lean) - 0.5) / ${MAX_LEAN}.0 * 2.0 - 1.0;
+}
+void main() {
+  int wall = gl_VertexID / 6, corner = gl_VertexID % 6;
+  corner = corner < 3 ? corner : 6 - corner;  // Triangles of the corners 0 1 2 and 3 2 1.
+  uvec2 texel = texelFetch(walls, ivec2(wall % ${WALL_COLUMNS}, wall / ${WALL_COLUMNS}), 0).rg;
+  uint bits = texel.r >> 26;
+  vec2 at = vec2(texel.r & 0x1fffu, texel.r >> 13 & 0x1fffu), full = vec2(size);
+  bool is_across = (bits & ${ACROSS}u) != 0u, is_back = corner >= 2;
+  vec2 outwards = is_across ? vec2(0.0, at.y > 0.0 ? full.y : -full.y)
+                            : vec2(at.x > 0.0 ? full.x : -full.x, 0.0);
+  if ((bits & ${LONG}u) != 0u) {
+    vec2 along = vec2(is_across ? full.x : 0.0, is_across ? 0.0 : full.y);
+    at += (corner & 1) == 1 ? 2.0 * along : -along;
+  } else if ((corner & 1) == 1) {
+    at += is_across ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
+  }
+  float depth = clip_depth(texel.g & 0xffffu);
+  if (is_back && (bits & ${BEYOND}u) != 0u) {
+    at += outwards;
+  } else if (is_back) {
+    depth = (bits & ${OPEN}u) != 0u ? depth + opened : clip_depth(texel.g >> 16);
+  }
+  vec2 across = at / full;
+  vec4 place = warp * vec4(across.x * 2.0 - 1.0, 1.0 - across.y * 2.0, depth, 1.0);
+  gl_Position = vec4(place.xy, place.w * 0.999999, place.w);
+}`;
+
+/** The color of a hatched pixel, for fragment shaders. */
+export const HATCH = `
+uniform vec3 background;
+vec4 hatch() {
+  vec3 ink = dot(background, vec3(0.3, 0.6, 0.1)) < 0.5 ? vec3(0.8) : vec3(0.2);
+  bool is_line = mod(gl_FragCoord.x + gl_FragCoord.y, 6.0) < 2.0;
+  return vec4(mix(background, ink, is_line ? 0.4 : 0.12), 1.0);
+}`;
+
+export const WALL_FRAGMENT = `#version 300 es
+precision highp float;
+${HATCH}
+out vec4 color;
+void main() {
+  color = hatch();
+}`;

@@ -1,0 +1,83 @@
+// A warped picture is hatched where it does not know what is there.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
+import { after, middleOf, rawSocket, say, settled, state } from '../steps.js';
+import { whileStopped } from './screen.js';
+import { hatchedPixels, keepFrames, loadModules } from './warping.js';
+
+const LEAST_HATCHED = 0.9;   // Share of the unknown pixels that show a surface.
+const MOST_FALSE = 0.25;     // Hatched pixels that show the background, per pixel of a surface.
+const TRIES = 10;
+
+let raw;
+
+// A GP is stopped below, which is no failure of the machine here.
+usePage(['phantom:pelvis', 'resample=128x128x96', '--set', 'heartbeat.misses=0'], async () => {
+  raw = await rawSocket(page, server.url);
+  await after(page, () => say(raw, 'surface skin visible=no'),
+              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+});
+
+/** Shows a view; returns the number of the kept frame of one sample. */
+async function keptOf(page, view) {
+  for (let tries = 0; tries < TRIES; tries++) {
+    await after(page, () => say(raw, 'view 200 40'));
+    const { revision } = await after(page, () => say(raw, view));
+    const index = await page.evaluate(revision =>
+      globalThis.kept.findIndex(each => each.revision === revision), revision);
+    if (index >= 0) return index;
+  }
+  throw new Error(`${view}: no frame of one sample was sent in ${TRIES} tries`);
+}
+
+test('unknown surfaces are hatched, known ones never', async t => {
+  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  await keeping.page.evaluate(loadModules);
+  await after(keeping.page, () => say(raw, 'view 30 15 roll=0 fit=yes'));
+  const { zoom, pan_mm: [right, up] } = (await state(keeping.page)).camera;
+  const viewOf = ({ azimuth = 30, elevation = 15, size = zoom, pan = [right, up] }) =>
+    `view ${azimuth} ${elevation} roll=0 zoom=${size.toFixed(4)} pan=${pan}`;
+  const large = 3 * zoom;
+  const moves = { nowhere: [{}, {}], '5 degrees': [{}, { azimuth: 35 }],
+                  '20 degrees': [{}, { azimuth: 50 }], '15 degrees up': [{}, { elevation: 30 }],
+                  '40 degrees': [{}, { azimuth: 70 }],
+                  moved: [{ size: large }, { size: large, pan: [right + 25, up] }],
+                  smaller: [{ size: large }, { size: 2 * zoom }] };
+  for (const [name, [from, to]] of Object.entries(moves)) {
+    const pair = [await keptOf(keeping.page, viewOf(from)), await keptOf(keeping.page, viewOf(to))];
+    const found = await keeping.page.evaluate(hatchedPixels, pair.map(index => ['kept', index]));
+    t.diagnostic(`${name}: of ${found.covered} pixels with a surface ${found.unknown} are ` +
+      `unknown, ${found.hatched} hatched; hatched before the background: ${found.false}`);
+    assert.equal(found.changed, 0, `${name}: ${found.changed} known pixels are hatched`);
+    if (name === 'nowhere') {
+      assert.deepEqual([found.unknown, found.hatched, found.false], [0, 0, 0]);
+      continue;
+    }
+    assert.ok(found.hatched >= LEAST_HATCHED * found.unknown,
+              `${name}: ${found.hatched} of ${found.unknown} are hatched`);
+    assert.ok(from.size || found.false <= MOST_FALSE * found.covered,
+              `${name}: ${found.false} hatched pixels show the background`);
+  }
+  await keeping.close();
+});
+
+test('a large drag without the machine shows the hatch, and the status line explains it',
+     async () => {
+  await after(page, () => say(raw, 'view anterior fit=yes'));
+  await page.waitForFunction(() => globalThis.pxpl5.warp.ready);
+  const at = await middleOf(byId('stage'));
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  await whileStopped(async () => {
+    for (const [name, x, y] of [['small', 12, 4], ['large', 60, 20]]) {
+      await page.mouse.move(at.x + x, at.y + y, { steps: 4 });
+      await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
+      await page.evaluate(() => new Promise(requestAnimationFrame));
+      await shoot(page, `warp-hatched-${name}`);
+    }
+    assert.match(await byId('badge-quality').getAttribute('title'), /Hatched parts are not known/);
+  });
+  await page.mouse.up();
+  await settled(page);
+});

@@ -1,0 +1,48 @@
+// Tests of warped pictures: stops the machine, and compares screenshots.
+import { readFileSync } from 'node:fs';
+import { server } from '../harness.js';
+import { treeOf } from '../processes.js';
+
+/** The processes of the GPs. */
+function gps() {
+  return treeOf(server.child.pid).filter(pid =>
+    readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0')[0].endsWith('pxpl5-gp'));
+}
+
+/** Stops the GPs, so that the machine draws nothing, until `act` is done. */
+export async function whileStopped(act) {
+  const stopped = gps();
+  if (stopped.length === 0) throw new Error('the server has no GPs');
+  for (const pid of stopped) process.kill(pid, 'SIGSTOP');
+  try {
+    return await act();
+  } finally {
+    for (const pid of stopped) process.kill(pid, 'SIGCONT');
+  }
+}
+
+/** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */
+export function similarity(page, ...screenshots) {
+  return page.evaluate(async files => {
+    const [a, b] = await Promise.all(files.map(async file => {
+      const bytes = Uint8Array.from(atob(file), each => each.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]));
+      // Scaled down by 4, each pixel is the mean of 16.
+      const [width, height] = [bitmap.width, bitmap.height].map(px => Math.floor(px / 4));
+      const context = new OffscreenCanvas(width, height).getContext('2d');
+      context.drawImage(bitmap, 0, 0, 4 * width, 4 * height, 0, 0, width, height);
+      return context.getImageData(0, 0, width, height).data;
+    }));
+    const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
+    return 10 * Math.log10(255 * 255 * a.length / sum);
+  }, screenshots.map(each => each.toString('base64')));
+}
+
+/** The pixels of the picture's canvas, as text. */
+export function pixelsOf(page) {
+  return page.getByTestId('frame').evaluate(async canvas => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const digest = await crypto.subtle.digest('SHA-256', data);
+    return `${canvas.width} ${canvas.height} ${new Uint8Array(digest).join()}`;
+  });
+}
