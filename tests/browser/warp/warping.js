@@ -60,7 +60,8 @@ export async function loadModules() {
                                                         pixels[at] * (1 - share));
     }
     return { header, bitmap, leans, shows, width, height, camera: state.camera, state, pixels, flat,
-             depth_bytes: depths.reduce((sum, each) => sum + each.length, 0), bytes: message.byteLength };
+             depth_bytes: depths.reduce((sum, each) => sum + each.length, 0),
+             bytes: message.byteLength };
   };
   /** The pixels of a frame as seen from a view. */
   modules.warp = (frame, view, background, hatches = true) => {

@@ -1,0 +1,198 @@
+#!/usr/bin/env python3
+"""Which frames go to which viewer: test_server_frames.py ECHO_SERVER."""
+import json
+import pathlib
+import struct
+import sys
+import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from server_case import Case, main  # noqa: E402
+
+
+class Frames(Case):
+    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False, layers=False):
+        viewer.send(json.dumps({"frame": [*size, revision, rests, depths, layers]}))
+
+    def frame(self, viewer):
+        """The next frame's header as a dict, and its picture."""
+        message = viewer.receive()
+        names = ("magic", "number", "revision", "width", "height", "kind", "quality", "samples",
+                 "flags", "machine_ms", "digest", "moved_mm", "picture_bytes", "depth_bytes",
+                 "pose", "views", "layers", "opacity", "reserved")
+        head = dict(zip(names, struct.unpack("<IIIHHBBBBfQdIIIBBBB", message[:56])))
+        self.assertEqual(len(message), 56 + head["picture_bytes"] + head["depth_bytes"])
+        return head, message[56:]
+
+    def shown(self, viewer, number):
+        viewer.send(json.dumps({"shown": number}))
+
+    def test_moving_frames_are_jpegs_and_resting_ones_pngs(self):
+        viewer = self.join()
+        self.show(viewer, 7)
+        head, picture = self.frame(viewer)
+        self.assertEqual((head["magic"], head["number"], head["revision"]), (0x46523550, 1, 7))
+        self.assertEqual((head["width"], head["height"], head["kind"]), (64, 48, 1))
+        self.assertEqual((head["flags"], head["digest"]), (0, 0))
+        self.assertTrue(50 <= head["quality"] <= 90)
+        self.assertEqual(picture[:2], b"\xff\xd8")
+        self.show(viewer, 8, rests=True)
+        head, picture = self.frame(viewer)
+        self.assertEqual((head["number"], head["revision"], head["kind"]), (2, 8, 2))
+        self.assertEqual((head["flags"], head["digest"]), (1, 8))
+        self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_depths_follow_the_picture_of_who_wants_them(self):
+        plain, warps = self.join(), self.join()
+        self.assertFalse(self.ask(plain, wants=0)["depths"])
+        warps.send('{"depths":true}')
+        self.assertTrue(self.ask(warps, wants=0)["depths"])
+        for revision, rests in ((1, False), (2, True)):
+            self.show(plain, revision, rests, depths=True)
+            head, bytes_ = self.frame(plain)
+            self.assertEqual((head["depth_bytes"], len(bytes_)), (0, head["picture_bytes"]))
+            head, bytes_ = self.frame(warps)
+            self.assertGreater(head["depth_bytes"], 0)
+            depths = bytes_[head["picture_bytes"]:]  # Of one picture, after their length.
+            self.assertEqual(depths[:4], struct.pack("<I", len(depths) - 4))
+            lean = zlib.decompress(depths[4:], wbits=-15)
+            # A bit per pixel, two bytes for each of the 17 x 13 corners, and a bit per cell.
+            self.assertEqual(len(lean), 64 * 48 // 8 + 2 * 17 * 13 + 16 * 12 // 8)
+            self.assertEqual(lean[:8], b"\xff" * 8)
+            self.shown(plain, head["number"])
+            self.shown(warps, head["number"])
+        self.show(plain, 3)
+        self.assertEqual(self.frame(warps)[0]["depth_bytes"], 0)
+        warps.send('{"depths":false}')
+        self.assertFalse(self.ask(warps, wants=0)["depths"])
+        watcher = self.join(self.server.watch_url)  # It must not slow down the driver's machine.
+        watcher.send('{"depths":true}')
+        self.assertFalse(self.ask(warps, wants=0)["depths"])
+
+    def test_layers_are_blended_for_who_wants_no_depths(self):
+        plain, warps = self.join(), self.join()
+        warps.send('{"depths":true}')
+        self.sync(warps)
+        self.show(plain, 1, depths=True, layers=True)
+        flat, _ = self.frame(plain)
+        self.assertEqual((flat["layers"], flat["opacity"], flat["depth_bytes"]), (1, 0, 0))
+        head, bytes_ = self.frame(warps)
+        self.assertEqual((head["layers"], head["opacity"], head["height"]), (2, 6, 48))
+        self.assertGreater(head["depth_bytes"], 0)
+        self.assertGreater(head["picture_bytes"], 1.5 * flat["picture_bytes"])
+        first, = struct.unpack_from("<I", bytes_, head["picture_bytes"])
+        second, = struct.unpack_from("<I", bytes_, head["picture_bytes"] + 4 + first)
+        self.assertEqual(head["depth_bytes"], 8 + first + second)
+
+    def test_layers_of_the_resting_picture_go_to_who_warps(self):
+        plain, warps = self.join(), self.join()
+        warps.send('{"depths":true}')
+        self.sync(warps)
+        self.show(plain, 1, rests=True)
+        self.show(plain, 1, depths=True, layers=True)
+        heads = [self.frame(warps)[0] for _ in range(2)]
+        self.assertEqual([(head["number"], head["flags"], head["layers"]) for head in heads],
+                         [(1, 1, 1), (2, 0, 2)])
+        late = self.join()
+        self.assertEqual(self.frame(late)[0]["flags"], 1)
+        late.send('{"depths":true}')
+        self.assertEqual(self.frame(late)[0]["layers"], 2)
+        self.assertEqual(self.frame(plain)[0]["flags"], 1)
+        self.shown(plain, 1)
+        self.shown(warps, 2)
+        self.show(plain, 2)
+        self.assertEqual([self.frame(each)[0]["revision"] for each in (plain, warps)], [2, 2])
+
+    def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
+        viewer = self.join()
+        for revision in (1, 2):
+            self.show(viewer, revision)
+            self.assertEqual(self.frame(viewer)[0]["revision"], revision)
+        self.assertFalse(self.ask(viewer, wants=0)["wants"])
+        for revision in range(3, 40):
+            self.show(viewer, revision)
+        self.show(viewer, 40, rests=True)
+        self.sync(viewer)  # Nothing but the answer has come.
+        self.shown(viewer, 2)
+        head, _ = self.frame(viewer)
+        self.assertEqual((head["number"], head["revision"], head["flags"]), (3, 40, 1))
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+
+    def test_a_stalled_viewer_gets_the_newest_in_the_end_and_holds_nobody_up(self):
+        stalled, other = self.join(receive_buffer=1 << 17), self.join()
+        size = (640, 512)
+        for revision in range(1, 61):
+            self.show(other, revision, rests=revision == 60, size=size)
+            head, _ = self.frame(other)
+            self.assertEqual((head["number"], head["revision"]), (revision, revision))
+            self.shown(other, head["number"])
+        seen = [self.frame(stalled)[0]["revision"] for _ in range(2)]
+        self.shown(stalled, 2)
+        seen.append(self.frame(stalled)[0]["revision"])
+        self.assertEqual((seen[0], seen[-1]), (1, 60))
+
+    def test_who_comes_late_or_again_gets_the_newest_frame(self):
+        viewer = self.join()
+        self.show(viewer, 5, rests=True)
+        self.assertEqual(self.frame(viewer)[0]["number"], 1)
+        viewer.close()
+        again = self.join()
+        head, _ = self.frame(again)
+        self.assertEqual((head["number"], head["revision"]), (1, 5))
+
+    def pair(self, viewer, revision, pose, wearer=1, size=(64, 48)):
+        viewer.send(json.dumps({"frame": [*size, revision, False, True, pose, wearer]}))
+
+    def test_a_pair_goes_to_who_wears_the_headset_and_frames_to_the_others(self):
+        wearer, other = self.join(), self.join()
+        self.pair(other, 1, 16)  # Nobody wears a headset yet.
+        other.send('{"wear":[1,6144]}')
+        self.sync(other)
+        self.assertTrue(self.ask(other, wants=0)["pair"])
+        self.pair(other, 2, 17)
+        head, bytes_ = self.frame(wearer)
+        self.assertEqual((head["number"], head["revision"], head["pose"]), (1, 2, 17))
+        self.assertEqual((head["views"], head["width"], head["height"]), (2, 64, 48))
+        depths = bytes_[head["picture_bytes"]:]  # Of two pictures, though it did not ask.
+        left = 4 + struct.unpack("<I", depths[:4])[0]
+        self.assertEqual(len(depths), left + 4 + struct.unpack("<I", depths[left:left + 4])[0])
+        self.show(other, 3)
+        self.assertEqual(self.frame(other)[0]["revision"], 3)
+        self.pair(other, 4, 18)
+        head, _ = self.frame(wearer)  # It has not had revision 3.
+        self.assertEqual((head["number"], head["revision"], head["pose"]), (2, 4, 18))
+        wants = self.ask(other, wants=0)  # The wearer has two to acknowledge, the other has one.
+        self.assertEqual((wants["wants"], wants["pair"]), (True, False))
+        self.pair(other, 5, 19)
+        self.pair(other, 6, 20)
+        self.sync(other)
+        self.shown(wearer, 2)
+        self.assertEqual(self.frame(wearer)[0]["pose"], 20)  # The newest.
+        self.shown(wearer, 3)
+        self.sync(wearer)
+        other.send('{"wear":[0,0]}')
+        head, _ = self.frame(wearer)
+        self.assertEqual((head["revision"], head["pose"], head["views"]), (3, 0, 1))
+        self.assertFalse(self.ask(other, wants=0)["pair"])
+
+    def test_a_wearer_who_leaves_wants_no_pair_and_holds_nobody_up(self):
+        wearer, other = self.join(), self.join()
+        other.send('{"wear":[1,6144]}')
+        self.sync(other)
+        wearer.close()
+        self.assertEqual([self.server.event() for _ in range(3)][-1], "left 1")
+        self.assertFalse(self.ask(other, wants=0)["pair"])
+        self.pair(other, 2, 17)
+        self.show(other, 3)
+        self.assertEqual(self.frame(other)[0]["revision"], 3)
+
+    def test_nobody_wants_frames_where_nobody_is(self):
+        viewer = self.join()
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+        self.shown(viewer, 4_000_000_000)  # Never sent: no harm.
+        viewer.send('{"shown":-1}')
+        self.assertTrue(self.ask(viewer, wants=0)["wants"])
+
+
+if __name__ == "__main__":
+    main()
