@@ -112,7 +112,11 @@ const turned = async () => measure(page, server, await middleOf(page.getByTestId
 if (options.volume === PHANTOM) {
   const grip = await middleOf(page.getByTestId('handle-bone').locator('.reach'));
   rows['threshold dragged'] = await measure(page, server, grip, { x: 1, y: 0 });
-  rows['view turned'] = await turned();
+  rows['view turned'] = await turned();  // With the transparent skin, in two layers.
+  await unfold(page);
+  await page.getByTestId('warp-switch').uncheck();
+  rows['view turned, warp off'] = await turned();  // With its screen door, in one picture.
+  await page.getByTestId('warp-switch').check();
   await done('surface skin visible=no');
 } else {
   const surfaces = () => page.evaluate(() => globalThis.pxpl5.state.surfaces);
@@ -122,10 +126,9 @@ if (options.volume === PHANTOM) {
     if (wanted.length > 0 && !wanted.includes(name)) await done(`remove ${name}`);
   }
 }
-// Without a transparent surface, the page follows the pointer between two pictures.
 const surface = await page.evaluate(() =>
   globalThis.pxpl5.state.surfaces.find(({ visible }) => visible));
-await unfold(page);
+if (options.volume !== PHANTOM) await unfold(page);
 const subject = options.volume === PHANTOM ? surface.name : 'surfaces';
 rows[`${subject} turned`] = await turned();
 const withWarp = await page.evaluate(atRest);
