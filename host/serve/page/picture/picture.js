@@ -1,7 +1,9 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
+import {camerasAt} from './camera.js';
 import {withTexts} from './png_text.js';
 import {projectToPicture} from './projection.js';
+import {composedSize, partsOf, stereoOf} from './stereo.js';
 import {paintLegend, paintSvg} from './svg_paint.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
@@ -14,11 +16,22 @@ const CAMERAS_KEPT = 64;
 const MOST_MARGIN_PX = 4;
 
 /**
+ * An eye, and its part of the picture in places. In an anaglyph, both parts are the whole picture.
+ * @typedef {object} Eye
+ * @property {'middle' | 'left' | 'right'} name
+ * @property {number} left    Of the part's left edge.
+ * @property {number} width
+ * @property {(p_mm: Triple) => {x: number, y: number, visible: boolean}} project  The place of a
+ *     patient position.
+ */
+
+/**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
  * are dropped and acknowledged, because the server counts the frames in flight.
  *
- * Coordinates: *pixels* are pixels of the picture, as in commands (`state.size`). *Places* are CSS
- * pixels from the upper left corner of the picture, the units of `overlay`.
+ * Coordinates: *pixels* are pixels of the picture, as in commands (`size`). *Places* are CSS pixels
+ * from the upper left corner of the picture, the units of `overlay`. A picture of both eyes side by
+ * side is twice as wide as `state.size`.
  */
 export class PictureView {
   /**
@@ -43,9 +56,11 @@ export class PictureView {
     /** Size of the picture in places. */
     this.width = 0;
     this.height = 0;
+    /** Whether the panel hides edges of the picture, which must not be scaled. */
+    this.isCut = false;
     /**
-     * Camera of the displayed frame, null before the first. While the frame is shown from a newer
-     * viewpoint, the camera is that of the viewpoint.
+     * Camera of the displayed frame, null before the first; in stereo, between the eyes. While the
+     * frame is shown from a newer viewpoint, the camera is that of the viewpoint.
      * @type {CameraState | null}
      */
     this.camera = null;
@@ -77,7 +92,7 @@ export class PictureView {
       this.cameras_ = [];
       this.leastRevision_ = 0;  // A restarted server begins again at 1.
     });
-    store.subscribe(['camera', 'size', 'volume'], state => {
+    store.subscribe(['camera', 'size', 'volume', 'stereo'], state => {
       this.cameras_.push({revision: state.revision, camera: state.camera});
       this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
       this.layOut_();
@@ -115,6 +130,12 @@ export class PictureView {
     this.changeActs_.push(act);
   }
 
+  /** Width and height in pixels. @private */
+  pixels_() {
+    const {size, stereo} = this.store_.state ?? {size: [1, 1], stereo: 'off'};
+    return composedSize(size, stereo);
+  }
+
   /**
    * The picture's pixel under a pointer; null outside.
    * @param {{clientX: number, clientY: number}} event
@@ -122,10 +143,24 @@ export class PictureView {
    */
   pixelAt({clientX, clientY}) {
     const box = this.canvas_.getBoundingClientRect();
-    const [width, height] = this.store_.state?.size ?? [0, 0];
+    const [width, height] = this.pixels_();
     const x = Math.floor((clientX - box.left) / box.width * width);
     const y = Math.floor((clientY - box.top) / box.height * height);
     return x >= 0 && y >= 0 && x < width && y < height ? {x, y} : null;
+  }
+
+  /**
+   * The circle in the part of the picture under a pointer that the part's shorter side bounds, in
+   * client coordinates.
+   * @param {{clientX: number}} event
+   */
+  circleAt({clientX}) {
+    const box = this.canvas_.getBoundingClientRect();
+    const parts = partsOf(this.store_.state?.stereo ?? 'off');
+    const share = (clientX - box.left) / box.width;
+    const {left, width} = parts.find(each => share < each.left + each.width) ?? parts[0];
+    return {x: box.left + (left + width / 2) * box.width, y: box.top + box.height / 2,
+      radius: Math.min(width * box.width, box.height) / 2 || 1};
   }
 
   /**
@@ -134,7 +169,7 @@ export class PictureView {
    * @param {number} y
    */
   placeOfPixel(x, y) {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const [width, height] = this.pixels_();
     return {x: (x + 0.5) / width * this.width, y: (y + 0.5) / height * this.height};
   }
 
@@ -143,7 +178,7 @@ export class PictureView {
    * @param {{x: number, y: number}} pixel
    */
   colorAt({x, y}) {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const [width, height] = this.pixels_();
     const {width: columns, height: rows} = this.canvas_;
     const [r, g, b] = this.context_.getImageData(Math.floor(x / width * columns),
       Math.floor(y / height * rows), 1, 1).data;
@@ -151,14 +186,29 @@ export class PictureView {
   }
 
   /**
-   * The place of a patient position in the displayed frame.
-   * @param {Triple} p_mm
+   * The eyes for which marks on patient positions are drawn, from left to right. The rows of both
+   * eyes alternate, which marks cannot: there a mark is drawn once, as the camera between the eyes
+   * sees it.
+   * @returns {Eye[]}
    */
-  project(p_mm) {
-    if (!this.camera) {
-      return {x: 0, y: 0, visible: false};
+  eyes() {
+    const {camera, width, height} = this, state = this.store_.state;
+    if (!camera || !state) {
+      return [];
     }
-    return projectToPicture(this.camera.patient_to_clip, p_mm, this.width, this.height);
+    const eye = (/** @type {Eye['name']} */ name, /** @type {number[]} */ clip, /** @type {number}
+      */ left, /** @type {number} */ across) => ({name, left, width: across,
+      project: (/** @type {Triple} */ p_mm) => {
+        const {x, y, visible} = projectToPicture(clip, p_mm, across, height);
+        return {x: left + x, y, visible};
+      }});
+    if (state.stereo === 'off' || state.stereo === 'rows') {
+      return [eye('middle', camera.patient_to_clip, 0, width)];
+    }
+    const cameras = camerasAt(camera, camera, state.size[0] / state.size[1], stereoOf(state));
+    return partsOf(state.stereo).flatMap(part => part.eyes.map(index =>
+      eye(index === 0 ? 'left' : 'right', cameras[index].patient_to_clip, part.left * width,
+        part.width * width)));
   }
 
   /**
@@ -294,20 +344,31 @@ export class PictureView {
     this.changed_();
   }
 
-  /** Fits the picture into its panel, whole. @private */
+  /**
+   * Fits the picture into its panel, whole. Alternate rows are shown pixel by pixel in any case.
+   * @private
+   */
   layOut_() {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const [width, height] = this.pixels_();
     const box = this.stage.getBoundingClientRect();
     const fit = Math.min(box.width / width, box.height / height), sharp = 1 / devicePixelRatio;
+    const areRows = this.store_.state?.stereo === 'rows';
+    this.isCut = areRows && fit < sharp;
     // A picture that was made for this panel is shown pixel by pixel, with a narrow margin.
-    const scale = fit >= sharp && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX
-      ? sharp : fit;
+    const scale = areRows || fit >= sharp
+      && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX ? sharp : fit;
     this.width = width * scale;
     this.height = height * scale;
-    for (const element of [this.canvas_, byId('warp'), this.overlay]) {
-      element.style.width = `${this.width}px`;
-      element.style.height = `${this.height}px`;
+    // In the middle of the panel, a row may lie between two rows of the screen.
+    const offset = (/** @type {number} */ first, /** @type {number} */ space) =>
+      areRows ? `${Math.round((first + space / 2) * devicePixelRatio) / devicePixelRatio
+        - first - space / 2}px` : '';
+    const left = offset(box.left, box.width - this.width);
+    const top = offset(box.top, box.height - this.height);
+    for (const {style} of [this.canvas_, byId('warp'), this.overlay]) {
+      Object.assign(style, {width: `${this.width}px`, height: `${this.height}px`, left, top});
     }
+    this.stage.classList.toggle('rows', areRows);
     update(this.overlay, {viewBox: `0 0 ${this.width || 1} ${this.height || 1}`});
   }
 

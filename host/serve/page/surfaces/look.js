@@ -15,8 +15,8 @@ const DEGREE = Math.PI / 180;
 const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels',
   2: 'cells of 4 voxels', 3: 'cells of 8 voxels'};
 
-/** Modes whose pictures have the size of one camera's, and stand being scaled. */
-const STEREO_MODES = {off: 'off', anaglyph: 'red and cyan glasses'};
+const STEREO_MODES = {off: 'off', anaglyph: 'red and cyan glasses', sbs: 'side by side',
+  cross: 'side by side, crossed eyes', rows: 'alternate rows, 3-D monitor'};
 
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
@@ -234,7 +234,8 @@ function createMaterial(root, app) {
       + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
     h('span', {class: 'field'}, 'Triangles'), detail),
     h('label', {class: 'row', title: 'Draws a picture for each eye. The command stereo sets the '
-      + 'distance of the eyes.'}, h('span', {class: 'field'}, 'Stereo'), stereo), gapLabel);
+      + 'distance of the eyes. Alternate rows: the left eye has rows 0, 2, 4 … of the picture. If '
+      + 'near and far are exchanged, move the window by one row of the monitor.'}, h('span', {class: 'field'}, 'Stereo'), stereo), gapLabel);
   app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));
