@@ -137,16 +137,26 @@ export class PictureView {
   }
 
   /**
-   * The picture's pixel under a pointer; null outside.
+   * The place in the picture that is on the screen under a pointer, as shares of the width and
+   * height, which stay right if the size changes. While the picture is shown from another
+   * viewpoint, this is the place that the pixel on the screen comes from.
    * @param {{clientX: number, clientY: number}} event
-   * @returns {{x: number, y: number} | null}
+   * @returns {{x: number, y: number} | null} null outside, and where nothing of the picture is seen
    */
-  pixelAt({clientX, clientY}) {
+  placeAt({clientX, clientY}) {
     const box = this.canvas_.getBoundingClientRect();
+    const place = {x: (clientX - box.left) / box.width, y: (clientY - box.top) / box.height};
+    const isInside = place.x >= 0 && place.y >= 0 && place.x < 1 && place.y < 1;
+    return isInside && this.warp ? this.warp.placeBelow(place) : isInside ? place : null;
+  }
+
+  /**
+   * The pixel at a place.
+   * @param {{x: number, y: number}} place
+   */
+  pixelOf({x, y}) {
     const [width, height] = this.pixels_();
-    const x = Math.floor((clientX - box.left) / box.width * width);
-    const y = Math.floor((clientY - box.top) / box.height * height);
-    return x >= 0 && y >= 0 && x < width && y < height ? {x, y} : null;
+    return {x: Math.floor(x * width), y: Math.floor(y * height)};
   }
 
   /**
@@ -164,11 +174,14 @@ export class PictureView {
   }
 
   /**
-   * The place of a pixel's center.
+   * The place of a pixel's center; null while the picture is shown from another viewpoint.
    * @param {number} x
    * @param {number} y
    */
   placeOfPixel(x, y) {
+    if (this.warp?.figures.warped) {
+      return null;
+    }
     const [width, height] = this.pixels_();
     return {x: (x + 0.5) / width * this.width, y: (y + 0.5) / height * this.height};
   }

@@ -2,6 +2,7 @@
 import {byId} from '../elements/dom.js';
 import {cameraAt, inverse, isSameView, multiply} from './camera.js';
 import {canUnpack, unpack} from './lean_depths.js';
+import {Parallax} from './parallax.js';
 import {WarpPainter} from './warp_painter.js';
 
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
@@ -32,7 +33,7 @@ function keep(list, value) {
 
 /**
  * A canvas over the picture's canvas. It is visible while the newest picture has depths and the
- * user has turned, moved or zoomed further. The picture's own canvas below always has the newest
+ * user has turned, moved or zoomed further, or looks around. The picture's own canvas below always has the newest
  * picture itself.
  */
 export class Warp {
@@ -55,6 +56,10 @@ export class Warp {
     this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('warp'));
     /** @private @type {WarpPainter | null} */
     this.painter_ = null;
+    this.parallax = new Parallax(picture);
+    this.parallax.onMoved = () => void this.draw_();
+    /** @private What is on the screen: the arguments of WarpPainter.draw(). */
+    this.drawn_ = {warp: /** @type {number[]} */ ([]), magnification: 1};
     /** Why nothing can be warped; empty if something can. */
     this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
     /** @private @type {(() => void)[]} */
@@ -102,6 +107,7 @@ export class Warp {
     this.isOn_ = on;
     this.ask_();
     if (!this.isOn) {
+      this.parallax.stop();
       this.forget();
     }
   }
@@ -198,33 +204,52 @@ export class Warp {
   }
 
   /**
+   * The place in the picture below that a place on the screen shows.
+   * @param {{x: number, y: number}} place  Shares of width and height, from the upper left corner.
+   * @returns {{x: number, y: number} | null} null if it shows no place of the picture
+   */
+  placeBelow(place) {
+    const {source_: source, painter_: painter, drawn_: {warp, magnification}} = this;
+    if (!this.figures.warped || !source || !painter) {
+      return place;
+    }
+    const {width, height} = source;
+    const at = {x: Math.floor(place.x * width), y: Math.floor(place.y * height)};
+    const pixel = painter.pixelAt(at, source, 0, warp, magnification);
+    return pixel && {x: (pixel.x + 0.5) / width, y: (pixel.y + 0.5) / height};
+  }
+
+  /**
    * Shows the warped picture if the newest view is not that of the picture below.
    * @private
-   * @returns {boolean} whether the warped picture is shown
+   * @returns {boolean} whether the picture below lags behind the newest view, and is warped
    */
   draw_() {
-    const {source_: source, painter_: painter} = this;
+    const {source_: source, painter_: painter, shown_: shown} = this;
     const {wanted} = this.viewpoint_, state = this.store_.state;
-    const isAhead = Boolean(wanted && this.shown_ && !isSameView(wanted, this.shown_));
-    const isWarped = Boolean(source && painter && state && isAhead);
+    const isAhead = Boolean(wanted && shown && !isSameView(wanted, shown));
+    const base = isAhead ? wanted : shown, view = base && this.parallax.turned(base);
+    const isWarped = Boolean(source && painter && state && view && shown
+      && !isSameView(view, shown));
     this.figures.warped = isWarped;
-    this.figures.view = isWarped ? wanted : this.shown_;
+    this.figures.view = isWarped ? view : shown;
     this.canvas_.style.visibility = isWarped ? 'visible' : 'hidden';
-    if (!source || !painter || !state || !wanted || !isAhead) {
+    if (!source || !painter || !state || !view || !isWarped) {
       this.picture_.lookFrom(null);
       return false;
     }
     const aspect = source.width / source.height;
     const from = cameraAt(source.camera, source.camera, aspect);
-    const to = cameraAt(wanted, source.camera, aspect);
+    const to = cameraAt(view, source.camera, aspect);
+    this.drawn_ = {warp: multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
+      magnification: view.zoom / source.camera.zoom};
     painter.begin(source.width, source.height, state.background);
-    painter.draw(0, multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
-      wanted.zoom / source.camera.zoom);
-    this.picture_.lookFrom(cameraAt(wanted, source.camera, state.size[0] / state.size[1]));
+    painter.draw(0, this.drawn_.warp, this.drawn_.magnification);
+    this.picture_.lookFrom(cameraAt(view, source.camera, state.size[0] / state.size[1]));
     this.figures.draws += 1;
-    if (source.seenAt > 0) {
+    if (isAhead && source.seenAt > 0) {
       keep(this.figures.picture_age_ms, performance.now() - source.seenAt);
     }
-    return true;
+    return isAhead;
   }
 }

@@ -69,6 +69,7 @@ uniform usampler2D mask;
 uniform ivec2 size;
 uniform int top;
 uniform float magnification;
+uniform bool locates;
 in vec2 at_px;
 flat in uint pixels;
 flat in ivec2 cell_px;
@@ -95,7 +96,8 @@ void main() {
   }
   place = clamp(place, vec2(0.5), vec2(size) - 0.5);  // Below may be another picture.
   place.y += float(top);
-  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, 1.0);
+  color = locates ? vec4(ivec4(pixel, pixel >> 8).xzyw & 255) / 255.0
+    : vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, 1.0);
 }`;
 
 /**
@@ -181,13 +183,15 @@ export class WarpPainter {
     this.program_ = programOf(gl);
     /** @private */
     this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
-      'magnification', 'top'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+      'magnification', 'top', 'locates'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
     /** @private */
     this.colors_ = gl.createTexture();
     /** @private @type {PictureMesh[]} From top to bottom. */
     this.meshes_ = [];
     /** @private Of one picture, pixels. */
     this.size_ = {width: 0, height: 0};
+    /** @private A pixel with depth, made when it is first used. @type {WebGLFramebuffer | null} */
+    this.pixel_ = null;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
     gl.enable(gl.DEPTH_TEST);
@@ -238,9 +242,58 @@ export class WarpPainter {
    * @param {number} magnification   New zoom over the zoom of the picture.
    */
   draw(picture, warp, magnification) {
+    this.gl_.useProgram(this.program_);
+    this.gl_.uniform1i(this.places_.locates, 0);
+    this.submit_(picture, warp, magnification);
+  }
+
+  /**
+   * The pixel of a picture that draw() with these arguments shows at a pixel of the canvas.
+   * @param {{x: number, y: number}} at  From the upper left corner of the viewport.
+   * @param {{width: number, height: number}} viewport  Its size in pixels.
+   * @param {number} picture
+   * @param {number[]} warp
+   * @param {number} magnification
+   * @returns {{x: number, y: number} | null} null if it shows the background
+   */
+  pixelAt({x, y}, {width, height}, picture, warp, magnification) {
+    const gl = this.gl_, found = new Uint8Array(4);
+    this.pixel_ ??= this.makePixel_();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.pixel_);
+    gl.viewport(-x, y + 1 - height, width, height);
+    gl.clearColor(1, 1, 1, 1);  // Further right and below than any picture reaches.
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.useProgram(this.program_);
+    gl.uniform1i(this.places_.locates, 1);
+    this.submit_(picture, warp, magnification);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return found[1] === 255 ? null : {x: found[0] + 256 * found[1], y: found[2] + 256 * found[3]};
+  }
+
+  /** @private */
+  makePixel_() {
+    const gl = this.gl_, framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    for (const [place, format] of /** @type {const} */ ([[gl.COLOR_ATTACHMENT0, gl.RGBA8],
+      [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]])) {
+      const buffer = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, buffer);
+    }
+    return framebuffer;
+  }
+
+  /**
+   * @private
+   * @param {number} picture
+   * @param {number[]} warp
+   * @param {number} magnification
+   */
+  submit_(picture, warp, magnification) {
     const gl = this.gl_, places = this.places_, {width, height} = this.size_;
     const {corners, mask, seams, triangles, count} = this.meshes_[picture];
-    gl.useProgram(this.program_);
     this.bind_(CORNERS, corners, gl.NEAREST);
     this.bind_(MASK, mask, gl.NEAREST);
     this.bind_(SEAMS, seams, gl.NEAREST);
