@@ -22,10 +22,20 @@ namespace pxpl5::host {
 /// A finished picture, top row first.
 struct Picture {
     int width = 0, height = 0;
-    std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
+    std::vector<std::uint32_t> rgba;  ///< views * width * height; red in the low byte.
     /// Depths as FrameDone has them, one per pixel and view; empty unless they were asked for.
     std::vector<std::uint32_t> depths = {};
+    int views = 1;  ///< 2: width and height are one eye's; the left eye's pixels, then the right's.
 };
+
+/// The pictures of a stereo view.
+enum class Eyes : std::uint8_t {
+    composed,  ///< One picture, without depths.
+    apart      ///< Two views.
+};
+
+/// A picture of two views as one.
+Picture composed_picture(const Picture& pair, StereoMode stereo);
 
 /// Sums over all passes of a picture of several samples.
 struct FrameReport {
@@ -69,7 +79,8 @@ class Frames {
     /// flight and returns nothing. Throws RequestError (failed) as drawing does, and if the
     /// Renderers have no room for the sums: see max_samples().
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {},
-                                        ReadBack read_back = ReadBack::pixels);
+                                        ReadBack read_back = ReadBack::pixels,
+                                        Eyes eyes = Eyes::composed);
     /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
@@ -133,9 +144,9 @@ class Frames {
         std::uint32_t frame = 0;
         std::int64_t started_ns = 0;  ///< Start of the picture's first pass.
         Pass pass;
-        bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
-        StereoMode stereo = StereoMode::off;
-        FrameParts parts;  ///< The messages that have arrived.
+        bool is_question = false;             ///< Asks for depths, and is no picture that is shown.
+        StereoMode stereo = StereoMode::off;  ///< How two views are composed; off: not.
+        FrameParts parts;                     ///< The messages that have arrived.
     };
     struct Ahead {
         std::uint32_t frame = 0;
@@ -145,7 +156,7 @@ class Frames {
     Stage stage(const Scene& scene) const;
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
-                 Pass pass = {}, bool counts = false);
+                 Pass pass = {}, bool counts = false, Eyes eyes = Eyes::composed);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::Message& message);

@@ -21,6 +21,16 @@ Size scaled(const Size& size, double scale) {
     return {side(size.width), side(size.height)};
 }
 
+OnePicture one_picture(Picture picture) {
+    return {picture.width, picture.height,
+            std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba))};
+}
+
+/// Viewers who take depths compose the pictures of both eyes themselves.
+Eyes eyes_of(ReadBack reads) {
+    return reads == ReadBack::pixels_and_depths ? Eyes::apart : Eyes::composed;
+}
+
 }  // namespace
 
 bool Director::has_picture() const {
@@ -29,10 +39,23 @@ bool Director::has_picture() const {
 
 void Director::show(Picture picture, int samples, bool rests, bool last) {
     Shown frame;
-    frame.digest = rests ? picture_digest(picture) : 0;
+    if (picture.views == 1) {
+        frame.digest = rests ? picture_digest(picture) : 0;
+    } else if (rests) {  // The digest is that of the written picture.
+        const Picture whole = composed_picture(picture, session_->scene.stereo.mode);
+        frame.digest = picture_digest(whole);
+        frame.as_one = [one = one_picture(whole)] { return one; };
+    }
+    frame.views = picture.views;
     frame.width = picture.width;
     frame.height = picture.height;
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
+    if (picture.views == 2 && !rests) {
+        frame.as_one = [pixels = frame.pixels, width = picture.width, height = picture.height,
+                        stereo = session_->scene.stereo.mode] {
+            return one_picture(composed_picture({width, height, *pixels}, stereo));
+        };
+    }
     if (!picture.depths.empty()) {
         frame.depths =
             std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
@@ -51,11 +74,15 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     audience_.show(std::move(frame));
 }
 
-/// Moving pictures: the size is limited by the time of a frame. With `detail auto`, the detail is
+/// Moving pictures: the size is limited by the time of a frame, unless each row of the picture
+/// belongs to a row of a monitor. With `detail auto`, the detail is
 /// limited by the number of triangles.
 Frames::Moving Director::moving() const {
     const Scene& scene = session_->scene;
-    const Size size = scaled(scene.size, std::min(pace_.scale(), audience_.advice().scale));
+    const double scale = scene.stereo.mode == StereoMode::rows
+                             ? 1
+                             : std::min(pace_.scale(), audience_.advice().scale);
+    const Size size = scaled(scene.size, scale);
     if (!scene.detail.is_auto) {
         return {size, scene.detail.detail};
     }
@@ -70,7 +97,7 @@ Frames::Moving Director::moving() const {
 }
 
 /// Depths only help viewers who show pictures from newer viewpoints. The holes of a screen door
-/// show other surfaces from there, and a picture of two views has no single viewpoint.
+/// show other surfaces from there.
 ReadBack Director::read_back() const {
     const bool is_archive = session_->volumes.archive() != nullptr;
     const std::vector<Surface>& surfaces =
@@ -79,9 +106,8 @@ ReadBack Director::read_back() const {
         return surface.visible && surface.opacity != full_opacity &&
                !is_compared(surfaces, surface);
     };
-    const bool has_depths = audience_.advice().wants_depths &&
-                            session_->scene.stereo.mode == StereoMode::off &&
-                            std::ranges::none_of(surfaces, is_seen_through);
+    const bool has_depths =
+        audience_.advice().wants_depths && std::ranges::none_of(surfaces, is_seen_through);
     return has_depths ? ReadBack::pixels_and_depths : ReadBack::pixels;
 }
 
@@ -123,7 +149,8 @@ bool Director::draw_moving() {
         const Frames::Moving now = moving();
         session_->scene.size = now.size;
         session_->scene.detail = {false, now.detail};
-        show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
+        const ReadBack reads = read_back();
+        show(session_->frames.draw_samples(1, {}, reads, eyes_of(reads)).value(), 1, false, false);
     });
     pace_.drawn(since_ms(start_ns));
     shown_.time_ns = parts_.clock_ns();
@@ -149,7 +176,7 @@ bool Director::draw_resting() {
             answer_slices();
             return !inbox_.changes_picture();
         };
-        auto picture = session_->frames.draw_samples(samples, go_on, reads);
+        auto picture = session_->frames.draw_samples(samples, go_on, reads, eyes_of(reads));
         is_drawn = picture.has_value();
         if (picture) {
             show(std::move(*picture), samples, true, samples == most_samples());

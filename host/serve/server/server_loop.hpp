@@ -76,7 +76,8 @@ class Loop {
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
-    const std::string& encoded(const NewestFrame& frame, int quality);
+    OnePicture picture_of(const NewestFrame& frame, bool is_one);
+    const std::string& encoded(const OnePicture& sent, int quality);
     const std::string& encoded_depths(const NewestFrame& frame);
     void forget(lws* connection);
 
@@ -90,8 +91,10 @@ class Loop {
     std::map<lws*, Upload> uploading_;
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
     std::uint64_t encoded_sequence_ = 0;
-    std::map<int, std::string> encoded_;  ///< The encoded frame by quality; 0 is the PNG.
-    std::string encoded_depths_;          ///< The depths of encoded_depths_of_.
+    OnePicture as_one_;  ///< The frame as one picture; without pixels while nobody needed it.
+    /// What was encoded of the frame, by pixels and quality; 0 is the PNG.
+    std::map<std::pair<const void*, int>, std::string> encoded_;
+    std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
     std::shared_ptr<const std::vector<std::uint32_t>> encoded_depths_of_;
     std::size_t resting_pixels_ = 0;
     Listener listener_;  ///< The last: its callbacks use the others.

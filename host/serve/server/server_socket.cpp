@@ -221,18 +221,20 @@ int Loop::on_writable(lws* connection, Socket& socket) {
 
 int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
     const Shown& shown = frame.shown;
-    const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
-    const std::string& picture = encoded(frame, quality);
     const std::string_view depths =
         viewer.wants_depths && shown.depths ? encoded_depths(frame) : std::string_view();
+    const bool is_one = depths.empty() && shown.as_one;
+    const OnePicture sent = picture_of(frame, is_one);
+    const int quality = shown.rests ? 0 : viewer.link.quality(sent.pixels->size());
+    const std::string& picture = encoded(sent, quality);
     if (!shown.rests) {
-        viewer.link.encoded(quality, shown.pixels->size(), picture.size() + depths.size());
+        viewer.link.encoded(quality, sent.pixels->size(), picture.size() + depths.size());
     }
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
-    header.width = static_cast<std::uint16_t>(shown.width);
-    header.height = static_cast<std::uint16_t>(shown.height);
+    header.width = static_cast<std::uint16_t>(sent.width);
+    header.height = static_cast<std::uint16_t>(is_one ? sent.height : shown.height);
     header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
     header.quality = static_cast<std::uint8_t>(quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
@@ -244,25 +246,36 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.picture_bytes = static_cast<std::uint32_t>(picture.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
     header.pose = shown.pose;
-    header.views = static_cast<std::uint8_t>(shown.views);
-    header.layers = static_cast<std::uint8_t>(shown.layers);
-    header.opacity = static_cast<std::uint8_t>(shown.opacity);
+    header.views = static_cast<std::uint8_t>(is_one ? 1 : shown.views);
+    header.layers = static_cast<std::uint8_t>(is_one ? 1 : shown.layers);
+    header.opacity = static_cast<std::uint8_t>(is_one ? 0 : shown.opacity);
     const std::size_t bytes = sizeof(FrameHeader) + picture.size() + depths.size();
     viewer.link.sent(header.number, bytes, now_ms());
     return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
 }
 
-const std::string& Loop::encoded(const NewestFrame& frame, int quality) {
+/// Drops what was encoded of an older frame.
+OnePicture Loop::picture_of(const NewestFrame& frame, bool is_one) {
     if (encoded_sequence_ != frame.sequence) {
         encoded_.clear();
+        as_one_ = {};
     }
     encoded_sequence_ = frame.sequence;
-    std::string& picture = encoded_[quality];
     const Shown& shown = frame.shown;
+    if (!is_one) {
+        return {shown.width, shown.pictures() * shown.height, shown.pixels};
+    }
+    if (!as_one_.pixels) {
+        as_one_ = shown.as_one();
+    }
+    return as_one_;
+}
+
+const std::string& Loop::encoded(const OnePicture& sent, int quality) {
+    std::string& picture = encoded_[{sent.pixels.get(), quality}];
     if (picture.empty()) {
-        const int height = shown.pictures() * shown.height;
-        picture = quality == 0 ? png_of(shown.width, height, *shown.pixels)
-                               : jpeg_of(shown.width, height, *shown.pixels, quality);
+        picture = quality == 0 ? png_of(sent.width, sent.height, *sent.pixels)
+                               : jpeg_of(sent.width, sent.height, *sent.pixels, quality);
     }
     return picture;
 }

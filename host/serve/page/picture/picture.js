@@ -1,8 +1,8 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
-import {camerasAt} from './camera.js';
+import {drawPair} from './compose.js';
+import {eyesOf} from './eyes.js';
 import {withTexts} from './png_text.js';
-import {projectToPicture} from './projection.js';
 import {composedSize, partsOf, stereoOf} from './stereo.js';
 import {paintLegend, paintSvg} from './svg_paint.js';
 
@@ -11,19 +11,10 @@ import {paintLegend, paintSvg} from './svg_paint.js';
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
+/** @typedef {import('./stereo.js').Stereo} Stereo */
 
 const CAMERAS_KEPT = 64;
 const MOST_MARGIN_PX = 4;
-
-/**
- * An eye, and its part of the picture in places. In an anaglyph, both parts are the whole picture.
- * @typedef {object} Eye
- * @property {'middle' | 'left' | 'right'} name
- * @property {number} left    Of the part's left edge.
- * @property {number} width
- * @property {(p_mm: Triple) => {x: number, y: number, visible: boolean}} project  The place of a
- *     patient position.
- */
 
 /**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
@@ -70,7 +61,7 @@ export class PictureView {
     this.warp = null;
     /** @type {FrameHeader | null} */
     this.header = null;
-    /** @private @type {{revision: number, camera: CameraState}[]} */
+    /** @private @type {{revision: number, camera: CameraState, stereo: Stereo}[]} */
     this.cameras_ = [];
     /** @private @type {Frame | null} */
     this.next_ = null;
@@ -92,8 +83,10 @@ export class PictureView {
       this.cameras_ = [];
       this.leastRevision_ = 0;  // A restarted server begins again at 1.
     });
-    store.subscribe(['camera', 'size', 'volume', 'stereo'], state => {
-      this.cameras_.push({revision: state.revision, camera: state.camera});
+    store.subscribe(['camera', 'size', 'volume', 'stereo', 'stereo_separation_mm',
+      'stereo_convergence_mm'], state => {
+      this.cameras_.push({revision: state.revision, camera: state.camera,
+        stereo: stereoOf(state)});
       this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
       this.layOut_();
       this.changed_();
@@ -199,29 +192,12 @@ export class PictureView {
   }
 
   /**
-   * The eyes for which marks on patient positions are drawn, from left to right. The rows of both
-   * eyes alternate, which marks cannot: there a mark is drawn once, as the camera between the eyes
-   * sees it.
-   * @returns {Eye[]}
+   * The eyes for which marks on patient positions are drawn, from left to right.
+   * @returns {import('./eyes.js').Eye[]}
    */
   eyes() {
-    const {camera, width, height} = this, state = this.store_.state;
-    if (!camera || !state) {
-      return [];
-    }
-    const eye = (/** @type {Eye['name']} */ name, /** @type {number[]} */ clip, /** @type {number}
-      */ left, /** @type {number} */ across) => ({name, left, width: across,
-      project: (/** @type {Triple} */ p_mm) => {
-        const {x, y, visible} = projectToPicture(clip, p_mm, across, height);
-        return {x: left + x, y, visible};
-      }});
-    if (state.stereo === 'off' || state.stereo === 'rows') {
-      return [eye('middle', camera.patient_to_clip, 0, width)];
-    }
-    const cameras = camerasAt(camera, camera, state.size[0] / state.size[1], stereoOf(state));
-    return partsOf(state.stereo).flatMap(part => part.eyes.map(index =>
-      eye(index === 0 ? 'left' : 'right', cameras[index].patient_to_clip, part.left * width,
-        part.width * width)));
+    const state = this.store_.state;
+    return this.camera && state ? eyesOf(this.camera, state, this.width, this.height) : [];
   }
 
   /**
@@ -308,16 +284,14 @@ export class PictureView {
    * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
   draw_(header, bitmap, leans) {
-    if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
-      this.canvas_.width = bitmap.width;
-      this.canvas_.height = bitmap.height;
-    }
-    this.context_.drawImage(bitmap, 0, 0);
     const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
     const camera = known?.camera ?? this.store_.state?.camera ?? null;
+    const stereo = known?.stereo ?? {mode: 'off', separation_mm: 0, convergence_mm: 0};
     this.header = header;
     this.drawn_ = camera;
-    this.warp?.take(header, camera, bitmap, leans);
+    if (this.warp?.take(header, camera, stereo, bitmap, leans) ?? true) {
+      this.paint_(header, stereo.mode, bitmap);
+    }
     bitmap.close();
     const at = performance.now();
     for (const act of this.shownActs_) {
@@ -326,6 +300,24 @@ export class PictureView {
     if (!this.warp?.figures.warped) {
       this.lookFrom(null);
     }
+  }
+
+  /**
+   * @private
+   * @param {FrameHeader} header
+   * @param {string} mode  Of stereo.
+   * @param {ImageBitmap} bitmap
+   */
+  paint_({views}, mode, bitmap) {
+    if (views === 2) {
+      drawPair(this.context_, bitmap, mode);
+      return;
+    }
+    if (this.canvas_.width !== bitmap.width || this.canvas_.height !== bitmap.height) {
+      this.canvas_.width = bitmap.width;
+      this.canvas_.height = bitmap.height;
+    }
+    this.context_.drawImage(bitmap, 0, 0);
   }
 
   /**

@@ -1,14 +1,36 @@
 // Shows the newest picture from the newest viewpoint until the next picture arrives.
 import {byId} from '../elements/dom.js';
-import {cameraAt, inverse, isSameView, multiply} from './camera.js';
+import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
 import {canUnpack, unpack} from './lean_depths.js';
 import {Parallax} from './parallax.js';
+import {partsOf} from './stereo.js';
 import {WarpPainter} from './warp_painter.js';
 
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('./camera.js').View} View */
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+/** @typedef {import('./stereo.js').Stereo} Stereo */
+
+/**
+ * A picture that the painter has: of one camera, or of both eyes.
+ * @typedef {object} Source
+ * @property {CameraState} camera
+ * @property {Stereo} stereo       Off for the picture of one camera.
+ * @property {number} width        Of one eye's picture, pixels.
+ * @property {number} height
+ * @property {number} seenAt       Time of the input that asked for the viewpoint; 0: none did.
+ * @property {boolean} isBelow     Whether the canvas below shows the picture.
+ */
+
+/**
+ * How a picture is drawn: the arguments of WarpPainter.draw().
+ * @typedef {object} Pass
+ * @property {number} picture
+ * @property {number[]} warp
+ * @property {import('./warp_painter.js').Viewport} viewport
+ * @property {import('./stereo.js').Part} part
+ */
 
 const KEPT = 256;  // Length of each list; older values are dropped.
 
@@ -59,7 +81,7 @@ export class Warp {
     this.parallax = new Parallax(picture);
     this.parallax.onMoved = () => void this.draw_();
     /** @private What is on the screen: the arguments of WarpPainter.draw(). */
-    this.drawn_ = {warp: /** @type {number[]} */ ([]), magnification: 1};
+    this.drawn_ = {passes: /** @type {Pass[]} */ ([]), magnification: 1};
     /** Why nothing can be warped; empty if something can. */
     this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
     /** @private @type {(() => void)[]} */
@@ -67,8 +89,7 @@ export class Warp {
     /** @private */
     this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
     /** @private The picture that the painter has. */
-    this.source_ = /** @type {{camera: CameraState, width: number, height: number,
-      seenAt: number} | null} */ (null);
+    this.source_ = /** @type {Source | null} */ (null);
     /** @private Camera of the picture below. @type {CameraState | null} */
     this.shown_ = null;
     /** @private */
@@ -130,20 +151,25 @@ export class Warp {
   }
 
   /**
-   * Takes the picture that is now on the canvas below.
+   * Takes the newest picture.
    * @param {FrameHeader} header
    * @param {CameraState | null} camera
+   * @param {Stereo} stereo
    * @param {ImageBitmap} bitmap
    * @param {LeanDepths[] | null} leans
+   * @returns {boolean} whether the canvas below must show the picture: moving pairs are composed
+   *     here, which is faster
    */
-  take({width, height}, camera, bitmap, leans) {
+  take({width, height, views, rests}, camera, stereo, bitmap, leans) {
     this.shown_ = camera;
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
     const seenAt = asked?.at ?? 0;
+    const isBelow = views === 1 || rests || !leans || !camera || !this.painter_;
     this.source_ = null;
     if (leans && camera && this.painter_) {
       this.painter_.take(bitmap, leans);
-      this.source_ = {camera, width, height, seenAt};
+      this.source_ = {camera, stereo: views === 1 ? {...stereo, mode: 'off'} : stereo, width,
+        height, seenAt, isBelow};
     }
     if (!this.draw_() && seenAt > 0) {
       const age = performance.now() - seenAt;
@@ -151,6 +177,7 @@ export class Warp {
       keep(this.figures.picture_age_ms, age);
       this.views_ = [];  // The screen shows the newest view: no input waits for a picture.
     }
+    return isBelow;
   }
 
   /** Shows the picture below until a frame with depths arrives. */
@@ -209,14 +236,28 @@ export class Warp {
    * @returns {{x: number, y: number} | null} null if it shows no place of the picture
    */
   placeBelow(place) {
-    const {source_: source, painter_: painter, drawn_: {warp, magnification}} = this;
-    if (!this.figures.warped || !source || !painter) {
+    const {source_: source, painter_: painter, drawn_: {passes, magnification}} = this;
+    const state = this.store_.state;
+    if (!this.figures.warped || !source || !painter || !state) {
       return place;
     }
-    const {width, height} = source;
-    const at = {x: Math.floor(place.x * width), y: Math.floor(place.y * height)};
-    const pixel = painter.pixelAt(at, source, 0, warp, magnification);
-    return pixel && {x: (pixel.x + 0.5) / width, y: (pixel.y + 0.5) / height};
+    const areRows = source.stereo.mode === 'rows';
+    const pass = passes.find(({part: {left, width}, picture, viewport: {height}}) =>
+      place.x < left + width && (!areRows || (Math.floor(place.y * height) & 1) === picture));
+    if (!pass) {
+      return null;
+    }
+    const {picture, warp, viewport, part: {left, width}} = pass;
+    const at = {x: Math.floor((place.x - left) / width * viewport.width),
+      y: Math.floor(place.y * viewport.height)};
+    const pixel = painter.pixelAt(at, viewport, picture, warp, magnification);
+    if (!pixel) {
+      return null;
+    }
+    const x = left + (pixel.x + 0.5) / source.width * width, y = (pixel.y + 0.5) / source.height;
+    const row = Math.floor(y * state.size[1]);
+    // The nearest row that shows what the same eye sees.
+    return {x, y: areRows && (row & 1) !== picture ? ((row ^ 1) + 0.5) / state.size[1] : y};
   }
 
   /**
@@ -231,25 +272,54 @@ export class Warp {
     const base = isAhead ? wanted : shown, view = base && this.parallax.turned(base);
     const isWarped = Boolean(source && painter && state && view && shown
       && !isSameView(view, shown));
+    const isDrawn = isWarped || Boolean(source && !source.isBelow);
     this.figures.warped = isWarped;
     this.figures.view = isWarped ? view : shown;
-    this.canvas_.style.visibility = isWarped ? 'visible' : 'hidden';
-    if (!source || !painter || !state || !view || !isWarped) {
+    this.canvas_.style.visibility = isDrawn ? 'visible' : 'hidden';
+    if (source && painter && state && view && isDrawn) {
+      this.paint_(source, painter, view, state);
+    }
+    if (!isWarped || !state || !source || !view) {
       this.picture_.lookFrom(null);
       return false;
     }
-    const aspect = source.width / source.height;
-    const from = cameraAt(source.camera, source.camera, aspect);
-    const to = cameraAt(view, source.camera, aspect);
-    this.drawn_ = {warp: multiply(to.patient_to_clip, inverse(from.patient_to_clip)),
-      magnification: view.zoom / source.camera.zoom};
-    painter.begin(source.width, source.height, state.background);
-    painter.draw(0, this.drawn_.warp, this.drawn_.magnification);
     this.picture_.lookFrom(cameraAt(view, source.camera, state.size[0] / state.size[1]));
     this.figures.draws += 1;
     if (isAhead && source.seenAt > 0) {
       keep(this.figures.picture_age_ms, performance.now() - source.seenAt);
     }
     return isAhead;
+  }
+
+  /**
+   * @private
+   * @param {Source} source
+   * @param {WarpPainter} painter
+   * @param {View} view
+   * @param {import('../link/vocabulary.js').State} state
+   */
+  paint_({camera, stereo, width, height}, painter, view, {size, background}) {
+    const {mode} = stereo, aspect = width / height, parts = partsOf(mode);
+    const from = camerasAt(camera, camera, aspect, stereo);
+    const to = camerasAt(view, camera, aspect, stereo);
+    // Each row belongs to one of the monitor's, whatever size the picture has.
+    const [across, down] = mode === 'rows' ? size : [width, height];
+    const magnification = view.zoom / camera.zoom;
+    const passes = parts.flatMap((part, place) => part.eyes.map(picture => ({picture, part,
+      warp: multiply(to[picture].patient_to_clip, inverse(from[picture].patient_to_clip)),
+      viewport: {left: across * (mode === 'anaglyph' ? picture : place), width: across,
+        height: down, rows: mode === 'rows' ? picture : undefined}})));
+    this.drawn_ = {passes, magnification};
+    if (mode === 'anaglyph') {
+      painter.beginAnaglyph(across, down, background);
+    } else {
+      painter.begin(across * parts.length, down, background);
+    }
+    for (const {picture, warp, viewport} of passes) {
+      painter.draw(picture, warp, magnification, viewport);
+    }
+    if (mode === 'anaglyph') {
+      painter.endAnaglyph();
+    }
   }
 }

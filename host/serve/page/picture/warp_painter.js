@@ -1,4 +1,5 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
+import {Anaglyph} from './anaglyph.js';
 import {CELL_PX, cornerOf, coveredCells, maskRowBytes, MAX_LEAN} from './lean_depths.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
@@ -19,6 +20,15 @@ const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3;  // Texture units.
  * @property {WebGLTexture | null} seams
  * @property {WebGLBuffer | null} triangles
  * @property {number} count                  Of the triangles' corners.
+ */
+
+/**
+ * Where a picture is drawn on the canvas, pixels.
+ * @typedef {object} Viewport
+ * @property {number} left
+ * @property {number} width
+ * @property {number} height
+ * @property {number} [rows]  0 or 1: draws only the rows 0, 2 ... or 1, 3 ... from the top.
  */
 
 // A vertex is a corner of a cell, and lies where its depth puts it. The first vertices are the
@@ -70,6 +80,7 @@ uniform ivec2 size;
 uniform int top;
 uniform float magnification;
 uniform bool locates;
+uniform ivec2 rows;
 in vec2 at_px;
 flat in uint pixels;
 flat in ivec2 cell_px;
@@ -79,6 +90,9 @@ void main() {
   float sum = dot(across, across) + dot(down, down);
   float area = across.x * down.y - across.y * down.x;
   float least = (sum - sqrt(max(0.0, sum * sum - 4.0 * area * area))) / 2.0;
+  if (rows.y > 0 && (rows.y - 1 - int(gl_FragCoord.y) & 1) != rows.x) {
+    discard;  // The row belongs to the other eye.
+  }
   bool is_torn = least * ${MOST_STRETCH ** 2}.0 < 1.0;
   ivec2 pixel = clamp(ivec2(floor(at_px)), ivec2(0), size - 1);
   vec2 place = at_px;
@@ -102,12 +116,14 @@ void main() {
 
 /**
  * @param {WebGL2RenderingContext} gl
+ * @param {string} vertex
+ * @param {string} fragment
  * @returns {WebGLProgram}
  */
-function programOf(gl) {
+function programOf(gl, vertex, fragment) {
   const program = gl.createProgram();
-  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, VERTEX],
-    [gl.FRAGMENT_SHADER, FRAGMENT]])) {
+  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex],
+    [gl.FRAGMENT_SHADER, fragment]])) {
     const shader = /** @type {WebGLShader} */ (gl.createShader(type));
     gl.shaderSource(shader, source);
     gl.compileShader(shader);
@@ -180,16 +196,18 @@ export class WarpPainter {
     /** @private */
     this.gl_ = gl;
     /** @private */
-    this.program_ = programOf(gl);
+    this.program_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
     this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
-      'magnification', 'top', 'locates'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+      'magnification', 'top', 'locates', 'rows'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
     /** @private */
     this.colors_ = gl.createTexture();
     /** @private @type {PictureMesh[]} From top to bottom. */
     this.meshes_ = [];
     /** @private Of one picture, pixels. */
     this.size_ = {width: 0, height: 0};
+    /** @private Made when it is first used. @type {Anaglyph | null} */
+    this.anaglyph_ = null;
     /** @private A pixel with depth, made when it is first used. @type {WebGLFramebuffer | null} */
     this.pixel_ = null;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
@@ -236,15 +254,41 @@ export class WarpPainter {
   }
 
   /**
+   * The same for two eyes, whose pictures are combined to an anaglyph: draw() the left one into the
+   * viewport that begins at 0, the right one at `width`. Ends with endAnaglyph().
+   * @param {number} width
+   * @param {number} height
+   * @param {string} background
+   */
+  beginAnaglyph(width, height, background) {
+    const gl = this.gl_;
+    this.begin(width, height, background);
+    this.anaglyph_ ??= new Anaglyph(gl, (vertex, fragment) => programOf(gl, vertex, fragment));
+    this.anaglyph_.begin(width, height);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  endAnaglyph() {
+    this.anaglyph_?.end();
+  }
+
+  /**
    * Draws a picture into the viewport.
    * @param {number} picture         From the top, from 0.
    * @param {number[]} warp          From the clip space of the picture to the new clip space.
    * @param {number} magnification   New zoom over the zoom of the picture.
+   * @param {Viewport} [viewport]    From the lower left corner; without it, the present one.
    */
-  draw(picture, warp, magnification) {
-    this.gl_.useProgram(this.program_);
-    this.gl_.uniform1i(this.places_.locates, 0);
-    this.submit_(picture, warp, magnification);
+  draw(picture, warp, magnification, viewport) {
+    const gl = this.gl_;
+    gl.useProgram(this.program_);
+    gl.uniform1i(this.places_.locates, 0);
+    gl.uniform2i(this.places_.rows, viewport?.rows ?? 0,
+      viewport?.rows === undefined ? 0 : viewport.height);
+    if (viewport) {
+      gl.viewport(viewport.left, 0, viewport.width, viewport.height);
+    }
+    this.submit_(picture, warp, magnification * (viewport ? viewport.width / this.size_.width : 1));
   }
 
   /**
@@ -265,7 +309,8 @@ export class WarpPainter {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
     gl.useProgram(this.program_);
     gl.uniform1i(this.places_.locates, 1);
-    this.submit_(picture, warp, magnification);
+    gl.uniform2i(this.places_.rows, 0, 0);
+    this.submit_(picture, warp, magnification * width / this.size_.width);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return found[1] === 255 ? null : {x: found[0] + 256 * found[1], y: found[2] + 256 * found[3]};

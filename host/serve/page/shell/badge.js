@@ -1,6 +1,6 @@
 // The status line below the picture: quality, digest, speed and size.
 import {byId, h, update} from '../elements/dom.js';
-import {partsOf} from '../picture/stereo.js';
+import {composedSize, partsOf} from '../picture/stereo.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
@@ -33,7 +33,9 @@ export function createBadge(app) {
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
       + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
     speed.title = 'Time to render this frame, and displayed frames per second';
-    size.textContent = `${header.width} × ${header.height}`;
+    const eye = [header.width, header.height];
+    size.textContent = (header.views === 1 ? eye
+      : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × ');
     size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
   });
   const showQuality = () => {

@@ -210,7 +210,7 @@ function createWarpSwitch(root, {connection, toasts, picture: {warp}}) {
     label.title = box.disabled ? `Not possible here: ${warp.refusal}.`
       : 'While the view moves, shows the newest picture from the newest viewpoint by its depths. '
         + 'Parts that the picture has not seen have the background color. Not with transparent '
-        + 'surfaces, nor in stereo.';
+        + 'surfaces.';
   });
 }
 
