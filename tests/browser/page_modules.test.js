@@ -277,8 +277,8 @@ test('a device that turns its screen to the left shows the view from the right',
   };
   const upright = {alpha: 0, beta: 90, gamma: 0};
   near(turned(upright, upright, 0), [0, 0]);
-  // About the vertical axis, counter-clockwise from above: the screen, which faces the viewer in the
-  // south, then faces the east, at the viewer's right. The viewer is at its left.
+  // About the vertical axis, counter-clockwise from above: the screen, which faces the viewer in
+  // the south, then faces the east, at the viewer's right. The viewer is at its left.
   near(turned(upright, {...upright, alpha: 10}, 0), [-10, 0]);
   near(turned(upright, {...upright, alpha: -10}, 0), [10, 0]);
   // Tilted back, the screen faces upwards. The viewer is below.

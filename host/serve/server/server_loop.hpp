@@ -91,8 +91,8 @@ class Loop {
     std::map<lws*, Upload> uploading_;
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
     std::uint64_t encoded_sequence_ = 0;
-    OnePicture as_one_;  ///< The frame as one picture; without pixels while nobody needed it.
-    /// What was encoded of the frame, by pixels and quality; 0 is the PNG.
+    OnePicture as_one_;  ///< The frame as one picture; without pixels before its first use.
+    /// The encoded pictures of the frame, by pixels and quality; 0 is the PNG.
     std::map<std::pair<const void*, int>, std::string> encoded_;
     std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
     std::shared_ptr<const std::vector<std::uint32_t>> encoded_depths_of_;

@@ -21,7 +21,8 @@ usePage(['phantom:pelvis', 'resample=96x96x72'], async () => {
 async function stereo(page, words) {
   await after(page, () => say(raw, `stereo ${words}`));
   const parts = /^(sbs|cross)/.test(words) ? 2 : 1;
-  await page.evaluate(() => dispatchEvent(new Event('focus')));  // Another page may have set a size.
+  // Another page may have set a size.
+  await page.evaluate(() => dispatchEvent(new Event('focus')));
   await page.waitForFunction(parts => {
     const { width, height } = document.querySelector('#stage').getBoundingClientRect();
     const [across, down] = globalThis.pxpl5.state.size;
@@ -161,7 +162,8 @@ test('the page and the server have the same eyes', async () => {
     await say(raw, `stereo ${mode}${eyes}`);
     const { revision } = await say(raw, `view ${next(0, 360).toFixed(2)} ` +
       `${next(-60, 60).toFixed(2)} roll=${next(-90, 90).toFixed(2)} ` +
-      `zoom=${next(0.5, 3).toFixed(4)} pan=${next(-20, 20).toFixed(2)},${next(-20, 20).toFixed(2)}`);
+      `zoom=${next(0.5, 3).toFixed(4)} ` +
+      `pan=${next(-20, 20).toFixed(2)},${next(-20, 20).toFixed(2)}`);
     await page.waitForFunction(wanted => globalThis.pxpl5.state.revision >= wanted, revision);
     const { size } = await state(page);
     for (let k = 0; k < 12; k++) {

@@ -140,7 +140,7 @@ class MeasurePanel {
       s('g', {class: `eye-${eye.name}`}, ...this.marks(eye))));
   }
 
-  /** @param {import('../picture/eyes.js').Eye} eye */
+  /** @param {import('../panel/app.js').Eye} eye */
   marks(eye) {
     const marks = this.distances.flatMap(distance => {
       const a = eye.project(distance.a_mm), b = eye.project(distance.b_mm);

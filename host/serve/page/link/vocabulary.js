@@ -233,7 +233,7 @@ export function readAnswerHeader(view) {
  * @property {string} detail  exact, auto, 1, 2 or 3, as `detail` takes it
  * @property {string} stereo  off, anaglyph, sbs, cross or rows, as `stereo` takes it
  * @property {number} stereo_separation_mm  between the eyes; 0: by the distance and the zoom
- * @property {number} stereo_convergence_mm  from the eyes to the screen's plane; 0: the camera's distance
+ * @property {number} stereo_convergence_mm  from the eyes to the screen; 0: the camera's
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
  * @property {MachineState} machine

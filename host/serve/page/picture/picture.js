@@ -123,10 +123,17 @@ export class PictureView {
     this.changeActs_.push(act);
   }
 
+  /**
+   * The size of the whole picture if one eye's picture has this size.
+   * @param {number[]} eye
+   */
+  wholeSize(eye) {
+    return composedSize(eye, this.store_.state?.stereo ?? 'off');
+  }
+
   /** Width and height in pixels. @private */
   pixels_() {
-    const {size, stereo} = this.store_.state ?? {size: [1, 1], stereo: 'off'};
-    return composedSize(size, stereo);
+    return this.wholeSize(this.store_.state?.size ?? [1, 1]);
   }
 
   /**

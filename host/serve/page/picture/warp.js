@@ -55,8 +55,8 @@ function keep(list, value) {
 
 /**
  * A canvas over the picture's canvas. It is visible while the newest picture has depths and the
- * user has turned, moved or zoomed further, or looks around. The picture's own canvas below always has the newest
- * picture itself.
+ * user has turned, moved or zoomed further, or looks around. The picture's own canvas below has the
+ * newest picture itself, except for moving pairs, which this canvas shows in any case.
  */
 export class Warp {
   /**

@@ -199,7 +199,8 @@ export class WarpPainter {
     this.program_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
     this.places_ = Object.fromEntries(['corners', 'seams', 'colors', 'mask', 'size', 'warp',
-      'magnification', 'top', 'locates', 'rows'].map(name => [name, gl.getUniformLocation(this.program_, name)]));
+      'magnification', 'top', 'locates', 'rows'].map(name =>
+      [name, gl.getUniformLocation(this.program_, name)]));
     /** @private */
     this.colors_ = gl.createTexture();
     /** @private @type {PictureMesh[]} From top to bottom. */

@@ -18,6 +18,10 @@ const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels
 const STEREO_MODES = {off: 'off', anaglyph: 'red/cyan glasses', sbs: 'side by side',
   cross: 'crossed eyes', rows: 'alternate rows'};
 
+const STEREO_TITLE = 'Draws a picture for each eye. The command stereo sets the distance of the '
+  + 'eyes. Alternate rows are for 3-D monitors: the left eye has rows 0, 2, 4 … of the picture. '
+  + 'If near and far are exchanged, move the window by one row of the monitor.';
+
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
  * @param {LightState} light
@@ -171,9 +175,9 @@ export function createLook(root, app) {
   createWarpSwitch(root, app);
 }
 
-const LOOK_TITLE = 'Turns the picture by a few degrees with the pointer over it, or with a phone in '
-  + 'the hand, by the depths of the picture. The view stays the same. Touch the picture to make the '
-  + 'present orientation of the phone the middle. Not with transparent surfaces.';
+const LOOK_TITLE = 'Turns the picture by a few degrees with the pointer over it, or with a phone '
+  + 'in the hand, by the depths of the picture. The view stays the same. Touch the picture to make '
+  + 'the present orientation of the phone the middle. Not with transparent surfaces.';
 
 /**
  * The switch of the pictures between pictures, and the switch of looking around.
@@ -195,7 +199,8 @@ function createWarpSwitch(root, {connection, toasts, picture: {warp}}) {
         parallax.stop();
       }
     }});
-  const lookLabel = h('label', {class: 'row'}, look, 'Look around by moving the pointer or the phone');
+  const lookLabel = h('label', {class: 'row'}, look,
+    'Look around by moving the pointer or the phone');
   const box = h('input', {type: 'checkbox', 'data-testid': 'warp-switch',
     onchange: () => { warp.isOn = box.checked; }});
   const label = h('label', {class: 'row'}, box, 'Follow the pointer between pictures');
@@ -252,9 +257,8 @@ function createMaterial(root, app) {
     h('label', {class: 'row', title: 'Fewer triangles are drawn faster. The status line states '
       + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
     h('span', {class: 'field'}, 'Triangles'), detail),
-    h('label', {class: 'row', title: 'Draws a picture for each eye. The command stereo sets the '
-      + 'distance of the eyes. Alternate rows are for 3-D monitors: the left eye has rows 0, 2, 4 … of the picture. If '
-      + 'near and far are exchanged, move the window by one row of the monitor.'}, h('span', {class: 'field'}, 'Stereo'), stereo), gapLabel);
+    h('label', {class: 'row', title: STEREO_TITLE}, h('span', {class: 'field'}, 'Stereo'), stereo),
+    gapLabel);
   app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));

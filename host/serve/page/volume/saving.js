@@ -3,7 +3,6 @@ import {h} from '../elements/dom.js';
 import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
 import {placeWarning} from '../panel/volume_words.js';
-import {composedSize} from '../picture/stereo.js';
 import {sessionText} from './session_file.js';
 import {openSession, SESSION_ENDING} from './upload.js';
 
@@ -176,9 +175,8 @@ function picturePart(app, dialog) {
   const marks = mark('save-overlay'), legend = mark('save-legend');
   const save = async () => {
     const name = `${baseName(app)}.${format.value}`;
-    const {size, stereo} = app.store.state ?? {size: [1, 1], stereo: 'off'};
-    const eye = enlarged(size, Number(scale.value));
-    const [width, height] = composedSize(eye, stereo);
+    const eye = enlarged(app.store.state?.size ?? [1, 1], Number(scale.value));
+    const [width, height] = app.picture.wholeSize(eye);
     dialog.close();
     const picture = await drawn(app, name, eye.join('x'));
     if (!picture) {
