@@ -21,19 +21,25 @@ namespace {
 
 namespace schema = bus::schema;
 
-/// The picture of a frame: its views one over the other, or composed, without depths.
+/// The picture of a frame. Unless stereo is off, two views become one picture without depths.
 Picture picture_of(const WholeFrame& done, StereoMode stereo) {
     if (done.views == 1 || stereo == StereoMode::off) {
         return {done.view.width,
-                done.view.height * done.views,
+                done.view.height,
                 {done.pixels.begin(), done.pixels.end()},
-                {done.depths.begin(), done.depths.end()}};
+                {done.depths.begin(), done.depths.end()},
+                done.views};
     }
     const Size size = composed_size(done.view, stereo);
-    return {size.width, size.height, composed(done.pixels, done.view, stereo), {}};
+    return {size.width, size.height, composed(done.pixels, done.view, stereo)};
 }
 
 }  // namespace
+
+Picture composed_picture(const Picture& pair, StereoMode stereo) {
+    const Size eye{pair.width, pair.height}, size = composed_size(eye, stereo);
+    return {size.width, size.height, composed(pair.rgba, eye, stereo)};
+}
 
 Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes)
     : conversation_(conversation), scene_(scene), volumes_(volumes), nodes_(nodes) {
@@ -69,14 +75,15 @@ Stage Frames::stage(const Scene& scene) const {
 }
 
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
-                     bool counts) {
+                     bool counts, PairForm form) {
     if (pass.sample == 0) {
         picture_costs_ = region_costs_.at(stage.cameras.size() - 1);
         picture_started_ns_ = now_ns();
     }
     const bus::Payload message =
         frame_request(scene, stage, next_frame_, picture_costs_, read_back, pass, counts);
-    pending_.push_back({next_frame_++, picture_started_ns_, pass, false, scene.stereo.mode,
+    const StereoMode stereo = form == PairForm::apart ? StereoMode::off : scene.stereo.mode;
+    pending_.push_back({next_frame_++, picture_started_ns_, pass, false, stereo,
                         FrameParts(scene.size, stage.cameras.size(),
                                    conversation_.machine().frame_buffer_ids().size())});
     conversation_.machine().send(conversation_.gps().front(), message);
@@ -197,7 +204,7 @@ Picture Frames::draw() {
 }
 
 std::optional<Picture> Frames::draw_samples(int samples, const std::function<bool()>& go_on,
-                                            ReadBack read_back) {
+                                            ReadBack read_back, PairForm form) {
     const ReadBack read = samples == 1 ? read_back : ReadBack::pixels;
     if (std::optional<Picture> picture = take_ahead(samples)) {
         return picture;
@@ -208,7 +215,7 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
             wait_until_pending(0);  // The machine holds two frames, not more.
             return std::nullopt;
         }
-        request(scene_, stage(scene_), read, pass);
+        request(scene_, stage(scene_), read, pass, false, form);
     }
     wait_until_pending(0);
     return take_oldest();

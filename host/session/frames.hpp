@@ -24,10 +24,20 @@ namespace pxpl5::host {
 /// A finished picture, top row first.
 struct Picture {
     int width = 0, height = 0;
-    std::vector<std::uint32_t> rgba;  ///< width * height; red in the low byte.
+    std::vector<std::uint32_t> rgba;  ///< views * width * height; red in the low byte.
     /// Depths as FrameDone has them, one per pixel and view; empty unless they were asked for.
     std::vector<std::uint32_t> depths = {};
+    int views = 1;  ///< 2: width and height are one eye's; the left eye's pixels, then the right's.
 };
+
+/// The pictures of a stereo view.
+enum class PairForm : std::uint8_t {
+    composed,  ///< One picture, without depths.
+    apart      ///< Two views.
+};
+
+/// A picture of two views as one.
+Picture composed_picture(const Picture& pair, StereoMode stereo);
 
 /// A frame, and the counts that each GP and Renderer reports.
 struct CountedFrame {
@@ -65,11 +75,11 @@ class Frames {
     /// flight and returns nothing. Throws RequestError (failed) as drawing does, and if the
     /// Renderers have no room for the sums: see max_samples().
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {},
-                                        ReadBack read_back = ReadBack::pixels);
+                                        ReadBack read_back = ReadBack::pixels,
+                                        PairForm form = PairForm::composed);
     /// Draws the scene as two given eyes see it, with one sample and with depths. The scene's
-    /// camera, size, detail and stereo mode have no part in it. Returns one picture of the width of
-    /// an eye: the left eye's picture over the right eye's. Drops a frame that was requested ahead.
-    /// Throws RequestError (failed) as drawing does.
+    /// camera, size, detail and stereo mode have no part in it. Returns two views. Drops a frame
+    /// that was requested ahead. Throws RequestError (failed) as drawing does.
     ///
     /// how  Size of one eye's picture, and the detail.
     Picture draw_pair(const Eyes& eyes, const Moving& how);
@@ -141,10 +151,10 @@ class Frames {
         std::uint32_t frame = 0;
         std::int64_t started_ns = 0;  ///< Start of the picture's first pass.
         Pass pass;
-        bool is_question = false;  ///< Asks for depths, and is no picture that is shown.
-        StereoMode stereo = StereoMode::off;
-        FrameParts parts;       ///< The messages that have arrived.
-        bool is_front = false;  ///< Belongs to the picture of the frame before.
+        bool is_question = false;             ///< Asks for depths, and is no picture that is shown.
+        StereoMode stereo = StereoMode::off;  ///< How two views are composed; off: not.
+        FrameParts parts;                     ///< The messages that have arrived.
+        bool is_front = false;                ///< Belongs to the picture of the frame before.
     };
     struct Ahead {
         std::uint32_t frame = 0;
@@ -154,7 +164,7 @@ class Frames {
     Stage stage(const Scene& scene) const;
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
-                 Pass pass = {}, bool counts = false);
+                 Pass pass = {}, bool counts = false, PairForm form = PairForm::composed);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::Message& message);

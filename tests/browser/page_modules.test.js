@@ -6,8 +6,11 @@ import {anglesOf, drag, onBall, rotationOf, turn} from '../../host/serve/page/pi
 import {isoCommand, plain, roundIso, subjectOf, toLine, word}
   from '../../host/serve/page/link/lines.js';
 import {parseAnswer, parseFrame} from '../../host/serve/page/link/messages.js';
+import {camerasAt} from '../../host/serve/page/picture/camera.js';
+import {deviceAxes, turnOfDevice} from '../../host/serve/page/picture/parallax.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
   from '../../host/serve/page/picture/projection.js';
+import {composedSize, partsOf} from '../../host/serve/page/picture/stereo.js';
 import {wrapped} from '../../host/serve/page/picture/svg_paint.js';
 import {beyond} from '../../host/serve/page/slices/slice_words.js';
 import {placeWarning} from '../../host/serve/page/panel/volume_words.js';
@@ -258,4 +261,55 @@ test('a watcher of the selection ends, so that what it refers to can go', () => 
   end();
   selection.choose('skin');
   assert.deepEqual(heard, ['', 'bone']);
+});
+
+test('the axes of a device that lies flat, stands up, and has turned', () => {
+  near(deviceAxes({alpha: 0, beta: 0, gamma: 0}).flat(), [1, 0, 0, 0, 1, 0, 0, 0, 1]);
+  near(deviceAxes({alpha: 0, beta: 90, gamma: 0}).flat(), [1, 0, 0, 0, 0, 1, 0, -1, 0]);
+  near(deviceAxes({alpha: 90, beta: 0, gamma: 0}).flat(), [0, 1, 0, -1, 0, 0, 0, 0, 1]);
+  near(deviceAxes({alpha: 0, beta: 0, gamma: 90}).flat(), [0, 0, -1, 0, 1, 0, 1, 0, 0]);
+});
+
+test('a device that turns its screen to the left shows the view from the right', () => {
+  const turned = (before, now, angle) => {
+    const {right, up} = turnOfDevice(deviceAxes(before), deviceAxes(now), angle);
+    return [right, up];
+  };
+  const upright = {alpha: 0, beta: 90, gamma: 0};
+  near(turned(upright, upright, 0), [0, 0]);
+  // About the vertical axis, counter-clockwise from above: the screen, which faces the viewer in
+  // the south, then faces the east, at the viewer's right. The viewer is at its left.
+  near(turned(upright, {...upright, alpha: 10}, 0), [-10, 0]);
+  near(turned(upright, {...upright, alpha: -10}, 0), [10, 0]);
+  // Tilted back, the screen faces upwards. The viewer is below.
+  near(turned(upright, {...upright, beta: 80}, 0), [0, -10]);
+  const flat = {alpha: 30, beta: 0, gamma: 0};
+  near(turned(flat, {...flat, gamma: 10}, 0), [-10, 0]);
+  // In the hand turned counter-clockwise by 90 degrees, the device's right is the page's top.
+  near(turned(flat, {...flat, gamma: 10}, 90), [0, -10]);
+  near(turned(flat, {...flat, beta: 10}, 90), [-10, 0]);
+  near(turned(flat, {...flat, gamma: 10}, 270), [0, 10]);
+});
+
+test('the parts of a stereo picture, and its size', () => {
+  assert.deepEqual(partsOf('off'), [{eyes: [0], left: 0, width: 1}]);
+  assert.deepEqual(partsOf('rows'), [{eyes: [0, 1], left: 0, width: 1}]);
+  assert.deepEqual(partsOf('sbs').map(({eyes, left}) => [...eyes, left]), [[0, 0], [1, 0.5]]);
+  assert.deepEqual(partsOf('cross').map(({eyes, left}) => [...eyes, left]), [[1, 0], [0, 0.5]]);
+  assert.deepEqual(composedSize([30, 20], 'cross'), [60, 20]);
+  assert.deepEqual(composedSize([30, 20], 'anaglyph'), [30, 20]);
+});
+
+test('the eyes are apart along the rows, and see the plane of convergence at one place', () => {
+  const view = {azimuth_deg: 20, elevation_deg: 10, roll_deg: 30, zoom: 1.5, pan_mm: [4, -3]};
+  const subject = {center_mm: [1, 2, 3], radius_mm: 100};
+  const cameras = camerasAt(view, subject, 1.2,
+    {mode: 'sbs', separation_mm: 30, convergence_mm: 250});
+  const [left, right] = cameras.map(each => each.patient_to_eye);
+  near(left.map((value, k) => value - right[k]), [...Array(12).fill(0), 30, 0, 0, 0], 1e-9);
+  // A point that the camera between them has 250 mm away.
+  const [x, y, z] = [12, -7, -250].map((mm, k) => mm - (left[12 + k] + right[12 + k]) / 2);
+  const at = [0, 1, 2].map(k => left[4 * k] * x + left[4 * k + 1] * y + left[4 * k + 2] * z);
+  const [a, b] = cameras.map(each => projectToPicture(each.patient_to_clip, at, 500, 400));
+  near([a.x, a.y], [b.x, b.y], 1e-9);
 });

@@ -166,8 +166,38 @@ TEST_CASE("frames of opaque surfaces have depths while a viewer asks for them") 
     CHECK(have_depths("view 11 20") == "----");
     CHECK(have_depths("remove second") == "--d--");
     CHECK(have_depths("surface " + name + " opacity=1") == "dddd");
-    CHECK(have_depths("stereo anaglyph") == "----");
-    CHECK(have_depths("stereo off") == "dddd");
+}
+
+TEST_CASE("viewers who take depths get pairs, and others the same as one picture") {
+    Theatre stage;
+    const auto& frames = stage.watchers.frames;
+    const auto shows = [&](int id, const std::string& line) {
+        stage.watchers.frames.clear();
+        stage.watchers.does(id, line);
+        stage.settle();
+        REQUIRE(frames.size() == 4);  // Moving, then 1, 4 and 16 samples.
+    };
+    shows(1, "stereo sbs");
+    const std::vector<serve::Shown> composed = frames;
+    for (const serve::Shown& frame : composed) {
+        CHECK((frame.views == 1 && !frame.depths && !frame.as_one));
+        CHECK(frame.width == 2 * 128);
+    }
+    shows(2, "stereo off");
+    stage.watchers.wants_depths = true;
+    shows(3, "stereo sbs");
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+        CAPTURE(k);
+        const serve::Shown& frame = frames[k];
+        REQUIRE((frame.views == 2 && frame.depths && frame.as_one));
+        CHECK((frame.width == 128 && frame.height == composed[k].height));
+        CHECK(frame.depths->size() == frame.pixels->size());
+        const serve::OnePicture one = frame.as_one();
+        CHECK((one.width == composed[k].width && one.height == composed[k].height));
+        CHECK(*one.pixels == *composed[k].pixels);
+        CHECK(frame.digest == composed[k].digest);
+    }
+    CHECK(frames[3].depths == frames[1].depths);
 }
 
 TEST_CASE("a resting picture is drawn again, once, when a viewer asks for its depths") {

@@ -142,7 +142,6 @@ class Director {
     int most_samples() const;
     bool is_refinable() const;
     std::size_t transparent_surfaces() const;
-    bool wants_depths() const;
     ReadBack read_back() const;
     bool lacks_layers() const;
     bool draw_layers();

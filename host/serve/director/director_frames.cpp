@@ -7,9 +7,24 @@
 #include "host/base/error.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/serve/director/director.hpp"
+#include "host/serve/server/encode.hpp"
 #include "host/session/transfer/frame_layers.hpp"
 
 namespace pxpl5::host::serve {
+
+namespace {
+
+OnePicture one_picture(Picture picture) {
+    return {picture.width, picture.height,
+            std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba))};
+}
+
+/// Viewers who take depths compose the pictures of both eyes themselves.
+PairForm form_of(ReadBack reads) {
+    return reads == ReadBack::pixels_and_depths ? PairForm::apart : PairForm::composed;
+}
+
+}  // namespace
 
 bool Director::has_picture() const {
     return session_->volumes.has_volume() || session_->volumes.archive() != nullptr;
@@ -17,10 +32,23 @@ bool Director::has_picture() const {
 
 void Director::show(Picture picture, int samples, bool rests, bool last) {
     Shown frame;
-    frame.digest = rests ? picture_digest(picture) : 0;
+    if (picture.views == 1) {
+        frame.digest = rests ? picture_digest(picture) : 0;
+    } else if (rests) {  // The digest is that of the written picture.
+        const Picture whole = composed_picture(picture, session_->scene.stereo.mode);
+        frame.digest = picture_digest(whole);
+        frame.as_one = [one = one_picture(whole)] { return one; };
+    }
+    frame.views = picture.views;
     frame.width = picture.width;
     frame.height = picture.height;
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
+    if (picture.views == 2 && !rests) {
+        frame.as_one = [pixels = frame.pixels, width = picture.width, height = picture.height,
+                        stereo = session_->scene.stereo.mode] {
+            return one_picture(composed_picture({width, height, *pixels}, stereo));
+        };
+    }
     if (!picture.depths.empty()) {
         frame.depths =
             std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
@@ -63,17 +91,24 @@ bool Director::draw_layers() {
     };
     frame.pixels = stacked(std::move(layers->behind.rgba), layers->front.rgba);
     frame.depths = stacked(std::move(layers->behind.depths), layers->front.depths);
+    frame.as_one = [pixels = frame.pixels, width = frame.width, height = frame.height,
+                    opacity = frame.opacity] {
+        return one_picture({width, height, blended(*pixels, 1, opacity)});
+    };
     show_frame(std::move(frame));
     shown_.layers_revision = revision_;
     return true;
 }
 
-/// Moving pictures: the size is limited by the time of a frame. With `detail auto`, the detail is
-/// limited by the number of triangles.
+/// Moving pictures: the size is limited by the time of a frame, unless each row of the picture
+/// belongs to a row of a monitor. With `detail auto`, the detail is limited by the number of
+/// triangles.
 Frames::Moving Director::moving() const {
     const Scene& scene = session_->scene;
-    const Size size = moving_size(scene.size, std::min(pace_.scale(), audience_.advice().scale));
-    return {size, moving_detail(1)};
+    const double scale = scene.stereo.mode == StereoMode::rows
+                             ? 1
+                             : std::min(pace_.scale(), audience_.advice().scale);
+    return {moving_size(scene.size, scale), moving_detail(1)};
 }
 
 /// views  Pictures that each triangle is drawn for.
@@ -98,21 +133,18 @@ std::size_t Director::transparent_surfaces() const {
                                                  : session_->scene.surfaces);
 }
 
-/// Depths only help viewers who show pictures from newer viewpoints. A picture of two views has no
-/// single viewpoint.
-bool Director::wants_depths() const {
-    return audience_.advice().wants_depths && session_->scene.stereo.mode == StereoMode::off;
-}
-
-/// The holes of a screen door show other surfaces from a newer viewpoint.
+/// Depths only help viewers who show pictures from newer viewpoints. The holes of a screen door
+/// show other surfaces from there.
 ReadBack Director::read_back() const {
-    return wants_depths() && transparent_surfaces() == 0 ? ReadBack::pixels_and_depths
-                                                         : ReadBack::pixels;
+    return audience_.advice().wants_depths && transparent_surfaces() == 0
+               ? ReadBack::pixels_and_depths
+               : ReadBack::pixels;
 }
 
 /// Whether viewers who show pictures from newer viewpoints need layers of the newest state.
 bool Director::lacks_layers() const {
-    return shown_.layers_revision != revision_ && wants_depths() && transparent_surfaces() == 1;
+    return shown_.layers_revision != revision_ && audience_.advice().wants_depths &&
+           session_->scene.stereo.mode == StereoMode::off && transparent_surfaces() == 1;
 }
 
 /// Requests the picture of a new isovalue together with the surface.
@@ -162,7 +194,9 @@ bool Director::draw_moving() {
             // Layers take two frames, and only help viewers while the camera moves.
             const bool is_turned = shown_.camera != session_->scene.camera;
             if (!is_turned || !lacks_layers() || !draw_layers()) {
-                show(session_->frames.draw_samples(1, {}, read_back()).value(), 1, false, false);
+                const ReadBack reads = read_back();
+                show(session_->frames.draw_samples(1, {}, reads, form_of(reads)).value(), 1, false,
+                     false);
             }
         });
     });
@@ -198,7 +232,7 @@ bool Director::draw_resting() {
             answer_slices();
             return !inbox_.changes_picture() && (samples == 1 || !is_pair_due());
         };
-        auto picture = session_->frames.draw_samples(samples, go_on, reads);
+        auto picture = session_->frames.draw_samples(samples, go_on, reads, form_of(reads));
         is_drawn = picture.has_value();
         if (picture) {
             show(std::move(*picture), samples, true, samples == most_samples());

@@ -139,9 +139,9 @@ void Director::show_pair(Picture picture, std::uint32_t viewer, std::uint32_t po
     frame.viewer = viewer;
     frame.pose = pose;
     frame.revision = revision;
-    frame.views = eyes_of_a_pair;
+    frame.views = picture.views;
     frame.width = picture.width;
-    frame.height = picture.height / eyes_of_a_pair;
+    frame.height = picture.height;
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
     frame.depths = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
     frame.moved_mm = session_->frames.last().moved_mm;

@@ -122,6 +122,8 @@ void add_looks(const Scene& scene, State& state) {
     state.overlay = scene.overlay;
     state.detail = detail_word(scene.detail);
     state.stereo = stereo_word(scene.stereo.mode);
+    state.stereo_separation_mm = scene.stereo.separation_mm;
+    state.stereo_convergence_mm = scene.stereo.convergence_mm;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <variant>
@@ -50,6 +51,12 @@ struct EndsSoon {
 };
 using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 
+/// A picture without depths.
+struct OnePicture {
+    int width = 0, height = 0;
+    std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
+};
+
 /// A frame for all viewers, or for one who wears a headset: one picture, or several of the same
 /// size, from top to bottom.
 struct Shown {
@@ -70,6 +77,10 @@ struct Shown {
     float machine_ms = 0;        ///< Request to picture.
     double moved_mm = 0;         ///< Above 0: simplified; no point is farther from the surfaces.
     std::uint64_t digest = 0;    ///< 0 while moving.
+
+    /// All pictures as one, for viewers who ask for no depths. The server's thread calls this, at
+    /// most once. Empty if there is only one picture.
+    std::function<OnePicture()> as_one = {};
 
     int pictures() const { return views * layers; }
 };

@@ -76,9 +76,9 @@ class Loop {
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
-    const Shown& flat(const Shown& frame);
-    const std::string& encoded(const Shown& frame, int quality);
-    const std::string& encoded_depths(const Shown& frame);
+    OnePicture picture_of(const Shown& shown, bool is_one);
+    const std::string& encoded(const OnePicture& sent, int quality);
+    const std::string& encoded_depths(const Shown& shown);
     void forget(lws* connection);
 
     Mail& mail_;
@@ -92,12 +92,12 @@ class Loop {
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
     using Words = std::shared_ptr<const std::vector<std::uint32_t>>;
     std::uint64_t encoded_sequence_ = 0;
-    /// The encoded pixels of the newest frame by quality; 0 is the PNG.
+    Words as_one_of_;    ///< The pixels of the frame that as_one_ shows.
+    OnePicture as_one_;  ///< The frame as one picture.
+    /// The encoded pictures of the newest frame by pixels and quality; 0 is the PNG.
     std::map<std::pair<Words, int>, std::string> encoded_;
     std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
     Words encoded_depths_of_;
-    Shown flat_;  ///< flat() of the frame with the pixels flat_of_.
-    Words flat_of_;
     std::size_t resting_pixels_ = 0;
     Listener listener_;  ///< The last: its callbacks use the others.
 };

@@ -223,24 +223,25 @@ int Loop::on_writable(lws* connection, Socket& socket) {
 }
 
 int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
-    const Shown* const next = viewer.next_of(frame);
-    const Shown& shown = next->layers > 1 && !viewer.wants_depths ? flat(*next) : *next;
+    const Shown& shown = *viewer.next_of(frame);
     if (encoded_sequence_ != frame.sequence) {
         encoded_.clear();
         encoded_sequence_ = frame.sequence;
     }
-    const int quality = shown.rests ? 0 : viewer.link.quality(shown.pixels->size());
-    const std::string& picture = encoded(shown, quality);
     const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && shown.depths;
     const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
+    const bool is_one = depths.empty() && shown.as_one;
+    const OnePicture sent = picture_of(shown, is_one);
+    const int quality = shown.rests ? 0 : viewer.link.quality(sent.pixels->size());
+    const std::string& picture = encoded(sent, quality);
     if (!shown.rests) {
-        viewer.link.encoded(quality, shown.pixels->size(), picture.size() + depths.size());
+        viewer.link.encoded(quality, sent.pixels->size(), picture.size() + depths.size());
     }
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
-    header.width = static_cast<std::uint16_t>(shown.width);
-    header.height = static_cast<std::uint16_t>(shown.height);
+    header.width = static_cast<std::uint16_t>(sent.width);
+    header.height = static_cast<std::uint16_t>(is_one ? sent.height : shown.height);
     header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
     header.quality = static_cast<std::uint8_t>(quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
@@ -252,34 +253,30 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.picture_bytes = static_cast<std::uint32_t>(picture.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
     header.pose = shown.pose;
-    header.views = static_cast<std::uint8_t>(shown.views);
-    header.layers = static_cast<std::uint8_t>(shown.layers);
-    header.opacity = static_cast<std::uint8_t>(shown.opacity);
+    header.views = static_cast<std::uint8_t>(is_one ? 1 : shown.views);
+    header.layers = static_cast<std::uint8_t>(is_one ? 1 : shown.layers);
+    header.opacity = static_cast<std::uint8_t>(is_one ? 0 : shown.opacity);
     const std::size_t bytes = sizeof(FrameHeader) + picture.size() + depths.size();
     viewer.link.sent(header.number, bytes, now_ms());
     return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
 }
 
-/// The frame for a viewer who shows no layers.
-const Shown& Loop::flat(const Shown& frame) {
-    if (flat_of_ != frame.pixels) {
-        flat_ = frame;
-        flat_.pixels = std::make_shared<const std::vector<std::uint32_t>>(
-            blended(*frame.pixels, frame.views, frame.opacity));
-        flat_.depths = nullptr;
-        flat_.layers = 1;
-        flat_.opacity = 0;
-        flat_of_ = frame.pixels;
+OnePicture Loop::picture_of(const Shown& shown, bool is_one) {
+    if (!is_one) {
+        return {shown.width, shown.pictures() * shown.height, shown.pixels};
     }
-    return flat_;
+    if (as_one_of_ != shown.pixels) {
+        as_one_ = shown.as_one();
+        as_one_of_ = shown.pixels;
+    }
+    return as_one_;
 }
 
-const std::string& Loop::encoded(const Shown& frame, int quality) {
-    std::string& picture = encoded_[{frame.pixels, quality}];
+const std::string& Loop::encoded(const OnePicture& sent, int quality) {
+    std::string& picture = encoded_[{sent.pixels, quality}];
     if (picture.empty()) {
-        const int height = frame.pictures() * frame.height;
-        picture = quality == 0 ? png_of(frame.width, height, *frame.pixels)
-                               : jpeg_of(frame.width, height, *frame.pixels, quality);
+        picture = quality == 0 ? png_of(sent.width, sent.height, *sent.pixels)
+                               : jpeg_of(sent.width, sent.height, *sent.pixels, quality);
     }
     return picture;
 }

@@ -16,6 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
+#include "host/serve/server/encode.hpp"
 #include "host/serve/server/server.hpp"
 
 namespace {
@@ -49,6 +50,14 @@ serve::Shown frame_of(const Json& words) {
         frame.depths = std::make_shared<const std::vector<std::uint32_t>>(pixels.size(), middle);
     }
     frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(pixels));
+    if (frame.layers > 1) {
+        frame.as_one = [pixels = frame.pixels, width = frame.width, height = frame.height,
+                        opacity = frame.opacity] {
+            return serve::OnePicture{width, height,
+                                     std::make_shared<const std::vector<std::uint32_t>>(
+                                         serve::blended(*pixels, 1, opacity))};
+        };
+    }
     return frame;
 }
 

@@ -264,7 +264,9 @@ TEST_CASE("each eye of given matrices is its picture alone, with depths, on any 
     const Scene before = bench.session.scene;
     const Picture pair = bench.session.frames.draw_pair(eyes, how);
     REQUIRE(pair.width == 120);
-    REQUIRE(pair.height == 180);
+    REQUIRE(pair.height == 90);
+    REQUIRE(pair.views == 2);
+    REQUIRE(pair.rgba.size() == 2 * 120 * 90);
     REQUIRE(pair.depths.size() == pair.rgba.size());
     CHECK(bench.session.scene.size == before.size);
     CHECK(half(pair.rgba, 0) != half(pair.rgba, 1));

@@ -98,8 +98,9 @@ class InspectorPanel {
 
   /** Marks the explained pixel until the picture changes. */
   mark() {
-    if (this.pixel) {
-      const {x, y} = this.app.picture.placeOfPixel(this.pixel.x, this.pixel.y);
+    const place = this.pixel && this.app.picture.placeOfPixel(this.pixel.x, this.pixel.y);
+    if (place) {
+      const {x, y} = place;
       this.ring.replaceChildren(s('circle', {class: 'back', cx: x, cy: y, r: 6}),
         s('circle', {class: 'front', cx: x, cy: y, r: 6}));
     } else {

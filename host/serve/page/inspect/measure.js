@@ -136,16 +136,21 @@ class MeasurePanel {
   }
 
   draw() {
-    const {picture} = this.app;
+    this.drawing.replaceChildren(...this.app.picture.eyes().map(eye =>
+      s('g', {class: `eye-${eye.name}`}, ...this.marks(eye))));
+  }
+
+  /** @param {import('../panel/app.js').Eye} eye */
+  marks(eye) {
     const marks = this.distances.flatMap(distance => {
-      const a = picture.project(distance.a_mm), b = picture.project(distance.b_mm);
+      const a = eye.project(distance.a_mm), b = eye.project(distance.b_mm);
       return a.visible && b.visible ? [this.line(distance, a, b)] : [];
     });
-    const first = this.first && picture.project(this.first);
+    const first = this.first && eye.project(this.first);
     if (first?.visible) {
       marks.push(s('circle', {cx: first.x, cy: first.y, r: 4}));
     }
-    this.drawing.replaceChildren(...marks);
+    return marks;
   }
 
   /**

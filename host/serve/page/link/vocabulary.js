@@ -222,7 +222,7 @@ export function readAnswerHeader(view) {
  * @property {VolumeState | null} volume
  * @property {string | null} archive  file of a scene of polygons, which replaces a volume
  * @property {CameraState} camera
- * @property {[number, number]} size  pixels of the picture
+ * @property {[number, number]} size  pixels of the picture; in stereo, of one eye's
  * @property {SurfaceState[]} surfaces
  * @property {LightState[]} lights
  * @property {MaterialState} material
@@ -232,6 +232,8 @@ export function readAnswerHeader(view) {
  * @property {boolean} overlay
  * @property {string} detail  exact, auto, 1, 2 or 3, as `detail` takes it
  * @property {string} stereo  off, anaglyph, sbs, cross or rows, as `stereo` takes it
+ * @property {number} stereo_separation_mm  between the eyes; 0: by the distance and the zoom
+ * @property {number} stereo_convergence_mm  from the eyes to the screen; 0: the camera's
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
  * @property {MachineState} machine

@@ -8,6 +8,8 @@
 // Each control has a data-testid for the tests. The page's policy (CSP) forbids styles and scripts
 // in markup.
 
+/** @typedef {import('../picture/eyes.js').Eye} Eye */
+
 /**
  * The parts that every panel and control receives.
  * @typedef {object} App

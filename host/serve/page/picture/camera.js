@@ -3,6 +3,7 @@ import {rotationOf} from './arcball.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
+/** @typedef {import('./stereo.js').Stereo} Stereo */
 
 /**
  * The part of a camera that a gesture changes.
@@ -13,6 +14,7 @@ import {rotationOf} from './arcball.js';
 const HALF_ANGLE = 15 * Math.PI / 180;
 const FILL = 1.3;
 const DEPTH_MARGIN = 1.02;
+const SEPARATION = 0.035;  // Of the eyes, as a share of the camera's distance at zoom 1.
 const SAME = 1e-6;  // Degrees, millimeters and zoom: commands have 2 to 4 digits.
 
 /**
@@ -21,7 +23,20 @@ const SAME = 1e-6;  // Degrees, millimeters and zoom: commands have 2 to 4 digit
  * @param {number} aspect  Width over height of the picture.
  * @returns {CameraState}
  */
-export function cameraAt(view, {center_mm, radius_mm}, aspect) {
+export function cameraAt(view, subject, aspect) {
+  return camerasAt(view, subject, aspect, {mode: 'off', separation_mm: 0, convergence_mm: 0})[0];
+}
+
+/**
+ * The cameras that draw a view: one, or in stereo those of the left and the right eye, as
+ * eye_matrices() in host/scene/stereo.cpp makes them.
+ * @param {View} view
+ * @param {Pick<CameraState, 'center_mm' | 'radius_mm'>} subject
+ * @param {number} aspect  Width over height of the picture of one camera.
+ * @param {Stereo} stereo
+ * @returns {CameraState[]}
+ */
+export function camerasAt(view, {center_mm, radius_mm}, aspect, stereo) {
   const {azimuth_deg, elevation_deg, roll_deg, zoom, pan_mm} = view;
   const rows = rotationOf(view);
   const distance = radius_mm / Math.sin(HALF_ANGLE);
@@ -37,8 +52,17 @@ export function cameraAt(view, {center_mm, radius_mm}, aspect) {
     0, aspect > 1 ? scale : scale * aspect, 0, 0,
     0, 0, -(far + near) / (far - near), -1,
     0, 0, -2 * far * near / (far - near), 0];
-  return {azimuth_deg, elevation_deg, roll_deg, zoom, pan_mm, center_mm, radius_mm,
-    patient_to_eye: eye, patient_to_clip: multiply(projection, eye)};
+  const separation = stereo.separation_mm > 0 ? stereo.separation_mm : SEPARATION * distance / zoom;
+  const convergence = stereo.convergence_mm > 0 ? stereo.convergence_mm : distance;
+  return (stereo.mode === 'off' ? [0] : [-0.5, 0.5]).map(side => {
+    const shift = side * separation;
+    const patient_to_eye = [...eye], lens = [...projection];
+    patient_to_eye[12] -= shift;
+    // Moves the frustum back, so that both eyes see the plane of convergence alike.
+    lens[8] -= projection[0] * shift / convergence;
+    return {azimuth_deg, elevation_deg, roll_deg, zoom, pan_mm, center_mm, radius_mm,
+      patient_to_eye, patient_to_clip: multiply(lens, patient_to_eye)};
+  });
 }
 
 /**

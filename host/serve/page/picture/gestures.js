@@ -22,6 +22,7 @@ export function watchPointers(picture, viewpoint, click) {
   let isPanning = false;
   /** @type {Point | null} where the first pointer went down; null once it has been dragged */
   let down = null;
+  let ball = {x: 0, y: 0, radius: 1};
 
   stage.addEventListener('pointerdown', event => {
     if (event.target instanceof Element && event.target.closest('button, a, [role=button]')) {
@@ -31,6 +32,7 @@ export function watchPointers(picture, viewpoint, click) {
     stage.focus({preventScroll: true});
     stage.setPointerCapture(event.pointerId);
     pointers.set(event.pointerId, {x: event.clientX, y: event.clientY});
+    ball = picture.circleAt(event);
     isPanning = event.button !== 0 || event.shiftKey;
     down = pointers.size === 1 ? {x: event.clientX, y: event.clientY} : null;
   });
@@ -55,7 +57,7 @@ export function watchPointers(picture, viewpoint, click) {
     } else if (isPanning) {
       viewpoint.pan(now.x - before.x, now.y - before.y);
     } else {
-      viewpoint.drag(ballAt(picture, before), ballAt(picture, now));
+      viewpoint.drag(ballAt(ball, before), ballAt(ball, now));
     }
   });
   // A frame around the picture shows the keyboard's focus, and no click.
@@ -114,12 +116,9 @@ function watchWheel(stage, viewpoint) {
 }
 
 /**
- * @param {PictureView} picture
- * @param {Point} point  Client coordinates.
+ * @param {{x: number, y: number, radius: number}} circle  Of the ball, client coordinates.
+ * @param {Point} point                                    Client coordinates.
  */
-function ballAt(picture, point) {
-  const box = picture.stage.getBoundingClientRect();
-  const radius = Math.min(picture.width, picture.height) / 2 || 1;
-  return onBall((point.x - box.left - box.width / 2) / radius,
-    (box.top + box.height / 2 - point.y) / radius);
+function ballAt({x, y, radius}, point) {
+  return onBall((point.x - x) / radius, (y - point.y) / radius);
 }

@@ -1,8 +1,10 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
 import {LIMITS} from '../link/vocabulary.js';
+import {drawPair} from './compose.js';
+import {eyesOf} from './eyes.js';
 import {withTexts} from './png_text.js';
-import {projectToPicture} from './projection.js';
+import {composedSize, partsOf, stereoOf} from './stereo.js';
 import {paintLegend, paintSvg} from './svg_paint.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
@@ -10,6 +12,7 @@ import {paintLegend, paintSvg} from './svg_paint.js';
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
+/** @typedef {import('./stereo.js').Stereo} Stereo */
 
 const CAMERAS_KEPT = 64;
 const MOST_MARGIN_PX = 4;
@@ -18,8 +21,9 @@ const MOST_MARGIN_PX = 4;
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
  * are dropped and acknowledged, because the server counts the frames in flight.
  *
- * Coordinates: *pixels* are pixels of the picture, as in commands (`state.size`). *Places* are CSS
- * pixels from the upper left corner of the picture, the units of `overlay`.
+ * Coordinates: *pixels* are pixels of the picture, as in commands (`size`). *Places* are CSS pixels
+ * from the upper left corner of the picture, the units of `overlay`. A picture of both eyes side by
+ * side is twice as wide as `state.size`.
  */
 export class PictureView {
   /**
@@ -44,9 +48,11 @@ export class PictureView {
     /** Size of the picture in places. */
     this.width = 0;
     this.height = 0;
+    /** Whether the panel hides edges of the picture, which must not be scaled. */
+    this.isCut = false;
     /**
-     * Camera of the displayed frame, null before the first. While the frame is shown from a newer
-     * viewpoint, the camera is that of the viewpoint.
+     * Camera of the displayed frame, null before the first; in stereo, between the eyes. While the
+     * frame is shown from a newer viewpoint, the camera is that of the viewpoint.
      * @type {CameraState | null}
      */
     this.camera = null;
@@ -56,7 +62,7 @@ export class PictureView {
     this.warp = null;
     /** @type {FrameHeader | null} */
     this.header = null;
-    /** @private @type {{revision: number, camera: CameraState}[]} */
+    /** @private @type {{revision: number, camera: CameraState, stereo: Stereo}[]} */
     this.cameras_ = [];
     /** @private @type {Frame | null} */
     this.next_ = null;
@@ -78,8 +84,10 @@ export class PictureView {
       this.cameras_ = [];
       this.leastRevision_ = 0;  // A restarted server begins again at 1.
     });
-    store.subscribe(['camera', 'size', 'volume'], state => {
-      this.cameras_.push({revision: state.revision, camera: state.camera});
+    store.subscribe(['camera', 'size', 'volume', 'stereo', 'stereo_separation_mm',
+      'stereo_convergence_mm'], state => {
+      this.cameras_.push({revision: state.revision, camera: state.camera,
+        stereo: stereoOf(state)});
       this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
       this.layOut_();
       this.changed_();
@@ -117,25 +125,65 @@ export class PictureView {
   }
 
   /**
-   * The picture's pixel under a pointer; null outside.
-   * @param {{clientX: number, clientY: number}} event
-   * @returns {{x: number, y: number} | null}
+   * The size of the whole picture if one eye's picture has this size.
+   * @param {number[]} eye
    */
-  pixelAt({clientX, clientY}) {
-    const box = this.canvas_.getBoundingClientRect();
-    const [width, height] = this.store_.state?.size ?? [0, 0];
-    const x = Math.floor((clientX - box.left) / box.width * width);
-    const y = Math.floor((clientY - box.top) / box.height * height);
-    return x >= 0 && y >= 0 && x < width && y < height ? {x, y} : null;
+  wholeSize(eye) {
+    return composedSize(eye, this.store_.state?.stereo ?? 'off');
+  }
+
+  /** Width and height in pixels. @private */
+  pixels_() {
+    return this.wholeSize(this.store_.state?.size ?? [1, 1]);
   }
 
   /**
-   * The place of a pixel's center.
+   * The place in the picture that is on the screen under a pointer, as shares of the width and
+   * height, which stay right if the size changes. While the picture is shown from another
+   * viewpoint, this is the place that the pixel on the screen comes from.
+   * @param {{clientX: number, clientY: number}} event
+   * @returns {{x: number, y: number} | null} null outside, and where nothing of the picture is seen
+   */
+  placeAt({clientX, clientY}) {
+    const box = this.canvas_.getBoundingClientRect();
+    const place = {x: (clientX - box.left) / box.width, y: (clientY - box.top) / box.height};
+    const isInside = place.x >= 0 && place.y >= 0 && place.x < 1 && place.y < 1;
+    return isInside && this.warp ? this.warp.placeBelow(place) : isInside ? place : null;
+  }
+
+  /**
+   * The pixel at a place.
+   * @param {{x: number, y: number}} place
+   */
+  pixelOf({x, y}) {
+    const [width, height] = this.pixels_();
+    return {x: Math.floor(x * width), y: Math.floor(y * height)};
+  }
+
+  /**
+   * The circle in the part of the picture under a pointer that the part's shorter side bounds, in
+   * client coordinates.
+   * @param {{clientX: number}} event
+   */
+  circleAt({clientX}) {
+    const box = this.canvas_.getBoundingClientRect();
+    const parts = partsOf(this.store_.state?.stereo ?? 'off');
+    const share = (clientX - box.left) / box.width;
+    const {left, width} = parts.find(each => share < each.left + each.width) ?? parts[0];
+    return {x: box.left + (left + width / 2) * box.width, y: box.top + box.height / 2,
+      radius: Math.min(width * box.width, box.height) / 2 || 1};
+  }
+
+  /**
+   * The place of a pixel's center; null while the picture is shown from another viewpoint.
    * @param {number} x
    * @param {number} y
    */
   placeOfPixel(x, y) {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    if (this.warp?.figures.warped) {
+      return null;
+    }
+    const [width, height] = this.pixels_();
     return {x: (x + 0.5) / width * this.width, y: (y + 0.5) / height * this.height};
   }
 
@@ -144,7 +192,7 @@ export class PictureView {
    * @param {{x: number, y: number}} pixel
    */
   colorAt({x, y}) {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const [width, height] = this.pixels_();
     const {width: columns, height: rows} = this.canvas_;
     const [r, g, b] = this.context_.getImageData(Math.floor(x / width * columns),
       Math.floor(y / height * rows), 1, 1).data;
@@ -152,14 +200,12 @@ export class PictureView {
   }
 
   /**
-   * The place of a patient position in the displayed frame.
-   * @param {Triple} p_mm
+   * The eyes for which marks on patient positions are drawn, from left to right.
+   * @returns {import('./eyes.js').Eye[]}
    */
-  project(p_mm) {
-    if (!this.camera) {
-      return {x: 0, y: 0, visible: false};
-    }
-    return projectToPicture(this.camera.patient_to_clip, p_mm, this.width, this.height);
+  eyes() {
+    const state = this.store_.state;
+    return this.camera && state ? eyesOf(this.camera, state, this.width, this.height) : [];
   }
 
   /**
@@ -246,15 +292,39 @@ export class PictureView {
    * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
   draw_(header, bitmap, leans) {
-    const {width, height, layers, opacity} = header;
     const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
     const camera = known?.camera ?? this.store_.state?.camera ?? null;
+    const stereo = known?.stereo ?? {mode: 'off', separation_mm: 0, convergence_mm: 0};
     // Layers of the picture at rest are for warped pictures only.
-    const isForWarp = !header.rests && this.header?.rests
-      && header.revision === this.header.revision;
-    if (isForWarp) {
-      this.warp?.take(header, camera, bitmap, leans);
+    if (!header.rests && this.header?.rests && header.revision === this.header.revision) {
+      this.warp?.take(header, camera, stereo, bitmap, leans);
       bitmap.close();
+      return;
+    }
+    this.header = header;
+    this.drawn_ = camera;
+    if (this.warp?.take(header, camera, stereo, bitmap, leans) ?? true) {
+      this.paint_(header, stereo.mode, bitmap);
+    }
+    bitmap.close();
+    const at = performance.now();
+    for (const act of this.shownActs_) {
+      act(header, at);
+    }
+    if (!this.warp?.figures.warped) {
+      this.lookFrom(null);
+    }
+  }
+
+  /**
+   * @private
+   * @param {FrameHeader} header
+   * @param {string} mode  Of stereo.
+   * @param {ImageBitmap} bitmap
+   */
+  paint_({width, height, views, layers, opacity}, mode, bitmap) {
+    if (views === 2) {
+      drawPair(this.context_, bitmap, mode);
       return;
     }
     if (this.canvas_.width !== width || this.canvas_.height !== height) {
@@ -266,17 +336,6 @@ export class PictureView {
       this.context_.globalAlpha = opacity / LIMITS.full_opacity;
       this.context_.drawImage(bitmap, 0, -height);
       this.context_.globalAlpha = 1;
-    }
-    this.header = header;
-    this.drawn_ = camera;
-    this.warp?.take(header, camera, bitmap, leans);
-    bitmap.close();
-    const at = performance.now();
-    for (const act of this.shownActs_) {
-      act(header, at);
-    }
-    if (!this.warp?.figures.warped) {
-      this.lookFrom(null);
     }
   }
 
@@ -309,20 +368,31 @@ export class PictureView {
     this.changed_();
   }
 
-  /** Fits the picture into its panel, whole. @private */
+  /**
+   * Fits the picture into its panel, whole. Alternate rows are shown pixel by pixel in any case.
+   * @private
+   */
   layOut_() {
-    const [width, height] = this.store_.state?.size ?? [1, 1];
+    const [width, height] = this.pixels_();
     const box = this.stage.getBoundingClientRect();
     const fit = Math.min(box.width / width, box.height / height), sharp = 1 / devicePixelRatio;
+    const areRows = this.store_.state?.stereo === 'rows';
+    this.isCut = areRows && fit < sharp;
     // A picture that was made for this panel is shown pixel by pixel, with a narrow margin.
-    const scale = fit >= sharp && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX
-      ? sharp : fit;
+    const scale = areRows || fit >= sharp
+      && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX ? sharp : fit;
     this.width = width * scale;
     this.height = height * scale;
-    for (const element of [this.canvas_, byId('warp'), this.overlay]) {
-      element.style.width = `${this.width}px`;
-      element.style.height = `${this.height}px`;
+    // In the middle of the panel, a row may lie between two rows of the screen.
+    const offset = (/** @type {number} */ first, /** @type {number} */ space) =>
+      areRows ? `${Math.round((first + space / 2) * devicePixelRatio) / devicePixelRatio
+        - first - space / 2}px` : '';
+    const left = offset(box.left, box.width - this.width);
+    const top = offset(box.top, box.height - this.height);
+    for (const {style} of [this.canvas_, byId('warp'), this.overlay]) {
+      Object.assign(style, {width: `${this.width}px`, height: `${this.height}px`, left, top});
     }
+    this.stage.classList.toggle('rows', areRows);
     update(this.overlay, {viewBox: `0 0 ${this.width || 1} ${this.height || 1}`});
   }
 

@@ -1,14 +1,41 @@
 // Shows the newest picture from the newest viewpoint until the next picture arrives.
 import {byId} from '../elements/dom.js';
 import {LIMITS} from '../link/vocabulary.js';
-import {cameraAt, inverse, isSameView, multiply} from './camera.js';
+import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
 import {canUnpack, unpack} from './lean_depths.js';
+import {Parallax} from './parallax.js';
+import {partsOf} from './stereo.js';
 import {WarpPainter} from './warp_painter.js';
 
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('./camera.js').View} View */
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+/** @typedef {import('./stereo.js').Stereo} Stereo */
+
+/**
+ * A picture that the painter has: of one camera, or of both eyes.
+ * @typedef {object} Source
+ * @property {CameraState} camera
+ * @property {Stereo} stereo       Off for the picture of one camera.
+ * @property {number} width        Of one eye's picture, pixels.
+ * @property {number} height
+ * @property {number} revision
+ * @property {number[]} opacities  Of the layers of each eye, the first behind.
+ * @property {number} seenAt       Time of the input that asked for the viewpoint; 0: none did.
+ * @property {boolean} isBelow     Whether the canvas below shows the picture.
+ */
+
+/**
+ * How a picture is drawn: the arguments of WarpPainter.draw().
+ * @typedef {object} Pass
+ * @property {number} picture
+ * @property {number} eye
+ * @property {number} opacity
+ * @property {number[]} warp
+ * @property {import('./warp_painter.js').Viewport} viewport
+ * @property {import('./stereo.js').Part} part
+ */
 
 const KEPT = 256;  // Length of each list; older values are dropped.
 
@@ -24,17 +51,6 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  *                                       asked for the viewpoint that the machine drew.
  */
 
-/**
- * The picture that the painter has.
- * @typedef {object} Source
- * @property {CameraState} camera
- * @property {number} width
- * @property {number} height
- * @property {number} revision
- * @property {number[]} opacities  Of the layers, the first behind.
- * @property {number} seenAt       Time of the input that asked for the picture; 0: unknown.
- */
-
 /** @param {any[]} list @param {any} value */
 function keep(list, value) {
   list.push(value);
@@ -45,8 +61,8 @@ function keep(list, value) {
 
 /**
  * A canvas over the picture's canvas. It is visible while the newest picture has depths and the
- * user has turned, moved or zoomed further. The picture's own canvas below always has the newest
- * picture itself.
+ * user has turned, moved or zoomed further, or looks around. The picture's own canvas below has the
+ * newest picture itself, except for moving pairs, which this canvas shows in any case.
  */
 export class Warp {
   /**
@@ -68,6 +84,10 @@ export class Warp {
     this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('warp'));
     /** @private @type {WarpPainter | null} */
     this.painter_ = null;
+    this.parallax = new Parallax(picture);
+    this.parallax.onMoved = () => void this.draw_();
+    /** @private What is on the screen: the arguments of WarpPainter.draw(). */
+    this.drawn_ = {passes: /** @type {Pass[]} */ ([]), magnification: 1};
     /** Why nothing can be warped; empty if something can. */
     this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
     /** @private @type {(() => void)[]} */
@@ -115,6 +135,7 @@ export class Warp {
     this.isOn_ = on;
     this.ask_();
     if (!this.isOn) {
+      this.parallax.stop();
       this.forget();
     }
   }
@@ -137,24 +158,29 @@ export class Warp {
   }
 
   /**
-   * Takes the picture that is now on the canvas below, or layers of the state in this picture.
+   * Takes the newest picture, or layers of the state in the picture that is on the canvas below.
    * @param {FrameHeader} header
    * @param {CameraState | null} camera
+   * @param {Stereo} stereo
    * @param {ImageBitmap} bitmap
    * @param {LeanDepths[] | null} leans
+   * @returns {boolean} whether the canvas below must show the picture: moving pairs are composed
+   *     here, which is faster
    */
-  take({width, height, revision, rests, layers, opacity}, camera, bitmap, leans) {
+  take({width, height, revision, views, rests, layers, opacity}, camera, stereo, bitmap, leans) {
     this.shown_ = camera;
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
     const seenAt = asked?.at ?? 0;
+    const isBelow = views === 1 || rests || !leans || !camera || !this.painter_;
     const before = this.source_;
     this.source_ = null;
     if (leans && camera && this.painter_) {
       this.painter_.take(bitmap, leans);
       const opacities = layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
-      this.source_ = {camera, width, height, revision, opacities, seenAt};
+      this.source_ = {camera, stereo: views === 1 ? {...stereo, mode: 'off'} : stereo, width,
+        height, revision, opacities, seenAt, isBelow};
     } else if (rests && before?.revision === revision) {
-      this.source_ = {...before, seenAt};  // The moving picture had depths: it had layers.
+      this.source_ = {...before, seenAt, isBelow};  // The moving picture had depths: it had layers.
     }
     if (!this.draw_() && seenAt > 0) {
       const age = performance.now() - seenAt;
@@ -162,6 +188,7 @@ export class Warp {
       keep(this.figures.picture_age_ms, age);
       this.views_ = [];  // The screen shows the newest view: no input waits for a picture.
     }
+    return isBelow;
   }
 
   /** Shows the picture below until a frame with depths arrives. */
@@ -215,35 +242,103 @@ export class Warp {
   }
 
   /**
+   * The place in the picture below that a place on the screen shows.
+   * @param {{x: number, y: number}} place  Shares of width and height, from the upper left corner.
+   * @returns {{x: number, y: number} | null} null if it shows no place of the picture
+   */
+  placeBelow(place) {
+    const {source_: source, painter_: painter, drawn_: {passes, magnification}} = this;
+    const state = this.store_.state;
+    if (!this.figures.warped || !source || !painter || !state) {
+      return place;
+    }
+    const areRows = source.stereo.mode === 'rows';
+    const found = passes.find(({part: {left, width}, eye, viewport: {height}}) =>
+      place.x < left + width && (!areRows || (Math.floor(place.y * height) & 1) === eye));
+    if (!found) {
+      return null;
+    }
+    const {eye, viewport, part: {left, width}} = found;
+    const at = {x: Math.floor((place.x - left) / width * viewport.width),
+      y: Math.floor(place.y * viewport.height)};
+    let pixel = null;
+    for (const pass of passes) {  // The layer behind first, since a click means what is opaque.
+      pixel ??= pass.eye !== eye ? null
+        : painter.pixelAt(at, viewport, pass.picture, pass.warp, magnification);
+    }
+    if (!pixel) {
+      return null;
+    }
+    const x = left + (pixel.x + 0.5) / source.width * width, y = (pixel.y + 0.5) / source.height;
+    const row = Math.floor(y * state.size[1]);
+    // The nearest row that shows what the same eye sees.
+    return {x, y: areRows && (row & 1) !== eye ? ((row ^ 1) + 0.5) / state.size[1] : y};
+  }
+
+  /**
    * Shows the warped picture if the newest view is not that of the picture below.
    * @private
-   * @returns {boolean} whether the warped picture is shown
+   * @returns {boolean} whether the picture below lags behind the newest view, and is warped
    */
   draw_() {
-    const {source_: source, painter_: painter} = this;
+    const {source_: source, painter_: painter, shown_: shown} = this;
     const {wanted} = this.viewpoint_, state = this.store_.state;
-    const isAhead = Boolean(wanted && this.shown_ && !isSameView(wanted, this.shown_));
-    const isWarped = Boolean(source && painter && state && isAhead);
+    const isAhead = Boolean(wanted && shown && !isSameView(wanted, shown));
+    const base = isAhead ? wanted : shown, view = base && this.parallax.turned(base);
+    const isWarped = Boolean(source && painter && state && view && shown
+      && !isSameView(view, shown));
+    const isDrawn = isWarped || Boolean(source && !source.isBelow);
     this.figures.ready = source !== null;
     this.figures.warped = isWarped;
-    this.figures.view = isWarped ? wanted : this.shown_;
-    this.canvas_.style.visibility = isWarped ? 'visible' : 'hidden';
-    if (!source || !painter || !state || !wanted || !isAhead) {
+    this.figures.view = isWarped ? view : shown;
+    this.canvas_.style.visibility = isDrawn ? 'visible' : 'hidden';
+    if (source && painter && state && view && isDrawn) {
+      this.paint_(source, painter, view, state);
+    }
+    if (!isWarped || !state || !source || !view) {
       this.picture_.lookFrom(null);
       return false;
     }
-    const aspect = source.width / source.height;
-    const from = cameraAt(source.camera, source.camera, aspect);
-    const to = cameraAt(wanted, source.camera, aspect);
-    painter.begin(source.width, source.height, state.background);
-    const warp = multiply(to.patient_to_clip, inverse(from.patient_to_clip));
-    source.opacities.forEach((opacity, layer) =>
-      painter.draw(layer, warp, wanted.zoom / source.camera.zoom, opacity));
-    this.picture_.lookFrom(cameraAt(wanted, source.camera, state.size[0] / state.size[1]));
+    this.picture_.lookFrom(cameraAt(view, source.camera, state.size[0] / state.size[1]));
     this.figures.draws += 1;
-    if (source.seenAt > 0) {
+    if (isAhead && source.seenAt > 0) {
       keep(this.figures.picture_age_ms, performance.now() - source.seenAt);
     }
-    return true;
+    return isAhead;
+  }
+
+  /**
+   * @private
+   * @param {Source} source
+   * @param {WarpPainter} painter
+   * @param {View} view
+   * @param {import('../link/vocabulary.js').State} state
+   */
+  paint_({camera, stereo, width, height, opacities}, painter, view, {size, background}) {
+    const {mode} = stereo, aspect = width / height, parts = partsOf(mode);
+    const from = camerasAt(camera, camera, aspect, stereo);
+    const to = camerasAt(view, camera, aspect, stereo);
+    // Each row belongs to one of the monitor's, whatever size the picture has.
+    const [across, down] = mode === 'rows' ? size : [width, height];
+    const magnification = view.zoom / camera.zoom;
+    const passes = parts.flatMap((part, place) => part.eyes.flatMap(eye => {
+      const warp = multiply(to[eye].patient_to_clip, inverse(from[eye].patient_to_clip));
+      const viewport = {left: across * (mode === 'anaglyph' ? eye : place), width: across,
+        height: down, rows: mode === 'rows' ? eye : undefined};
+      return opacities.map((opacity, layer) =>
+        ({picture: eye * opacities.length + layer, eye, opacity, part, warp, viewport}));
+    }));
+    this.drawn_ = {passes, magnification};
+    if (mode === 'anaglyph') {
+      painter.beginAnaglyph(across, down, background);
+    } else {
+      painter.begin(across * parts.length, down, background);
+    }
+    for (const {picture, opacity, warp, viewport} of passes) {
+      painter.draw(picture, warp, magnification, opacity, viewport);
+    }
+    if (mode === 'anaglyph') {
+      painter.endAnaglyph();
+    }
   }
 }

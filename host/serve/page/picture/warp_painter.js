@@ -1,15 +1,12 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
-import {CELL_PX, coveredCells, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+import {Anaglyph} from './anaglyph.js';
+import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
 import {meshOf, SEAM_COLUMNS} from './warp_mesh.js';
-import {HATCH, WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf} from './warp_walls.js';
+import {FRAGMENT, programOf, VERTEX} from './warp_program.js';
+import {WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf} from './warp_walls.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 
-/**
- * A cell that became more than this many times longer is hatched: the picture has seen its surface
- * at a glancing angle only.
- */
-export const MOST_STRETCH = 3;
 const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3, WALLS = 4;  // Texture units.
 /**
  * Walls before the background reach so far behind a surface, of the 2 units of depth in clip space:
@@ -31,140 +28,32 @@ const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
  * @property {number} wallCount
  */
 
-// A vertex is a corner of a cell, and lies where its depth puts it. The first vertices are the
-// corners of the picture. The others belong to seams, whose surfaces have corners of their own: a
-// texel has the depth and the pixels of the surface, and the place of the corner in its cell.
-const VERTEX = `#version 300 es
-precision highp float;
-precision highp int;
-precision highp usampler2D;
-uniform usampler2D corners;
-uniform usampler2D seams;
-uniform ivec2 size;
-uniform mat4 warp;
-uniform bool hatches;
-out vec2 at_px;
-flat out uint pixels;
-flat out ivec2 cell_px;
-void main() {
-  ivec2 count = textureSize(corners, 0);
-  int other = gl_VertexID - count.x * count.y;
-  ivec2 corner = ivec2(gl_VertexID % count.x, gl_VertexID / count.x);
-  uint lean;
-  pixels = 0xffffu;
-  cell_px = ivec2(0);
-  if (other < 0) {
-    lean = texelFetch(corners, corner, 0).r;
-  } else {
-    uvec2 seam = texelFetch(seams, ivec2(other % ${SEAM_COLUMNS}, other / ${SEAM_COLUMNS}), 0).rg;
-    lean = seam.r & 0xffffu;
-    pixels = seam.r >> 16;
-    ivec2 cell = ivec2(seam.g & 0xffffu, seam.g >> 16);
-    cell_px = cell * ${CELL_PX};
-    corner = cell + ivec2(other & 1, other >> 1 & 1);
-  }
-  at_px = vec2(min(corner * ${CELL_PX}, size));
-  vec2 across = at_px / vec2(size);
-  float depth = (float(lean) - 0.5) / ${MAX_LEAN}.0;
-  gl_Position = warp * vec4(across.x * 2.0 - 1.0, 1.0 - across.y * 2.0, depth * 2.0 - 1.0, 1.0);
-  if (hatches) {
-    gl_Position.z = gl_Position.w * 0.999999;  // Only where no surface is.
-  }
-}`;
-
-// The least singular value of the change of place in the picture per pixel of the canvas is the
-// inverse of the longest stretch.
-const FRAGMENT = `#version 300 es
-precision highp float;
-precision highp int;
-precision highp usampler2D;
-uniform sampler2D colors;
-uniform usampler2D mask;
-uniform ivec2 size;
-uniform int top;
-uniform float magnification;
-uniform float opacity;
-uniform bool hatches;
-in vec2 at_px;
-flat in uint pixels;
-flat in ivec2 cell_px;
-out vec4 color;
-${HATCH}
-void main() {
-  vec2 across = dFdx(at_px) * magnification, down = dFdy(at_px) * magnification;
-  float sum = dot(across, across) + dot(down, down);
-  float area = across.x * down.y - across.y * down.x;
-  float least = (sum - sqrt(max(0.0, sum * sum - 4.0 * area * area))) / 2.0;
-  bool is_torn = least * ${MOST_STRETCH ** 2}.0 < 1.0;
-  ivec2 pixel = clamp(ivec2(floor(at_px)), ivec2(0), size - 1);
-  vec2 place = at_px;
-  if (pixels != 0xffffu) {
-    pixel = clamp(pixel, cell_px, cell_px + ${CELL_PX - 1});
-    ivec2 within = pixel - cell_px;
-    if ((pixels >> uint(within.y * ${CELL_PX} + within.x) & 1u) == 0u) {
-      discard;
-    }
-    place = vec2(pixel) + 0.5;  // Beside the pixel may be another surface.
-  }
-  uint bits = texelFetch(mask, ivec2(pixel.x >> 3, pixel.y), 0).r;
-  if (is_torn != hatches || (bits >> uint(pixel.x & 7) & 1u) == 0u) {
-    discard;
-  }
-  if (hatches) {
-    color = hatch();
-    return;
-  }
-  place = clamp(place, vec2(0.5), vec2(size) - 0.5);  // Below may be another picture.
-  place.y += float(top);
-  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, opacity);
-}`;
-
 /**
- * A program, and the places of its uniforms by name.
- * @param {WebGL2RenderingContext} gl
- * @param {string} vertex
- * @param {string} fragment
+ * Where a picture is drawn on the canvas, pixels.
+ * @typedef {object} Viewport
+ * @property {number} left
+ * @property {number} width
+ * @property {number} height
+ * @property {number} [rows]  0 or 1: draws only the rows 0, 2 ... or 1, 3 ... from the top.
  */
-function programOf(gl, vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex],
-    [gl.FRAGMENT_SHADER, fragment]])) {
-    const shader = /** @type {WebGLShader} */ (gl.createShader(type));
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-    const logs = (gl.getAttachedShaders(program) ?? []).map(each => gl.getShaderInfoLog(each));
-    throw new Error(`the browser refuses the shaders: ${logs.join(' ')} `
-      + `${gl.getProgramInfoLog(program)}`);
-  }
-  /** @type {Record<string, WebGLUniformLocation | null>} */
-  const places = {};
-  const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS) ?? 0;
-  for (let at = 0; at < count; ++at) {
-    const name = gl.getActiveUniform(program, at)?.name ?? '';
-    places[name] = gl.getUniformLocation(program, name);
-  }
-  return {program, places};
-}
 
 /** Draws pictures of one size, which lie in one bitmap from top to bottom. */
 export class WarpPainter {
   /**
    * @param {HTMLCanvasElement} canvas
+   * @param {{xrCompatible?: boolean}} [options]  xrCompatible: a headset may show what is drawn.
    * @throws {Error} if the browser has no WebGL 2
    */
-  constructor(canvas) {
-    const gl = canvas.getContext('webgl2', {alpha: false, antialias: false, stencil: false});
+  constructor(canvas, {xrCompatible = false} = {}) {
+    const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext('webgl2',
+      {alpha: false, antialias: false, stencil: false, xrCompatible}));
     if (!gl) {
       throw new Error('the browser has no WebGL 2');
     }
     /** @private */
     this.canvas_ = canvas;
-    /** @private */
-    this.gl_ = gl;
+    /** The context that everything is drawn with. */
+    this.gl = gl;
     /** @private */
     this.surfaces_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
@@ -177,10 +66,12 @@ export class WarpPainter {
     this.size_ = {width: 0, height: 0};
     /** @private Red, green, blue: 0 to 1. */
     this.background_ = [0, 0, 0];
+    /** @private Made when it is first used. @type {Anaglyph | null} */
+    this.anaglyph_ = null;
+    /** @private A pixel with depth, made when it is first used. @type {WebGLFramebuffer | null} */
+    this.pixel_ = null;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
     gl.pixelStorei(gl.UNPACK_COLORSPACE_CONVERSION_WEBGL, gl.NONE);
-    gl.enable(gl.DEPTH_TEST);
-    gl.enable(gl.CULL_FACE);
   }
 
   /**
@@ -189,7 +80,7 @@ export class WarpPainter {
    * @param {LeanDepths[]} leans  Of each picture, from top to bottom.
    */
   take(bitmap, leans) {
-    const gl = this.gl_;
+    const {gl} = this;
     const width = bitmap.width, height = bitmap.height / leans.length;
     this.size_ = {width, height};
     while (this.meshes_.length < leans.length) {
@@ -209,30 +100,131 @@ export class WarpPainter {
    * @param {string} background  #rrggbb, where no surface is.
    */
   begin(width, height, background) {
-    const gl = this.gl_, canvas = this.canvas_;
+    const {gl, canvas_: canvas} = this;
     if (canvas.width !== width || canvas.height !== height) {
       canvas.width = width;
       canvas.height = height;
     }
+    gl.viewport(0, 0, width, height);
+    this.clear(background);
+  }
+
+  /**
+   * Clears the bound framebuffer.
+   * @param {string} background  #rrggbb
+   */
+  clear(background) {
+    const {gl} = this;
     this.background_ = [1, 3, 5].map(at => parseInt(background.slice(at, at + 2), 16) / 255);
     const [red, green, blue] = this.background_;
-    gl.viewport(0, 0, width, height);
     gl.clearColor(red, green, blue, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
   /**
-   * Draws a picture into the viewport.
+   * The same as begin() for two eyes, whose pictures are combined to an anaglyph: draw() the left
+   * one into the viewport that begins at 0, the right one at `width`. Ends with endAnaglyph().
+   * @param {number} width
+   * @param {number} height
+   * @param {string} background
+   */
+  beginAnaglyph(width, height, background) {
+    const {gl} = this;
+    this.begin(width, height, background);
+    this.anaglyph_ ??= new Anaglyph(gl, (vertex, fragment) =>
+      programOf(gl, vertex, fragment).program);
+    this.anaglyph_.begin(width, height);
+    this.clear(background);
+  }
+
+  endAnaglyph() {
+    this.anaglyph_?.end();
+  }
+
+  /**
+   * Draws a picture into a viewport of the bound framebuffer, by depth.
    * @param {number} picture         From the top, from 0.
    * @param {number[]} warp          From the clip space of the picture to the new clip space.
-   * @param {number} magnification   New zoom over the zoom of the picture.
+   * @param {number} magnification   New zoom over the zoom of the picture, if the viewport is as
+   *                                 large as the picture.
    * @param {number} [opacity]       0 to 1. Below 1, what is drawn already shows through.
+   * @param {Viewport} [viewport]    From the lower left corner; without it, the present one.
    */
-  draw(picture, warp, magnification, opacity = 1) {
-    const gl = this.gl_, {width, height} = this.size_;
-    const {corners, mask, seams, triangles, count} = this.meshes_[picture];
-    const {program, places} = this.surfaces_;
+  draw(picture, warp, magnification, opacity = 1, viewport) {
+    const {gl} = this;
+    if (viewport) {
+      gl.viewport(viewport.left, 0, viewport.width, viewport.height);
+    }
+    const rows = viewport?.rows === undefined ? [0, 0] : [viewport.rows, viewport.height];
     const matrix = new Float32Array(warp);
+    const places = this.prepare_(picture, matrix,
+      magnification * (viewport ? viewport.width / this.size_.width : 1));
+    gl.uniform1i(places.locates, 0);
+    gl.uniform2iv(places.rows, rows);
+    gl.uniform1f(places.opacity, opacity);
+    const {count} = this.meshes_[picture];
+    const draw = () => gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    if (opacity === 1) {
+      draw();
+    } else {
+      this.blend_(draw);
+    }
+    this.hatch_(this.meshes_[picture], matrix, rows);
+  }
+
+  /**
+   * The pixel of a picture that draw() with these arguments shows at a pixel of the canvas.
+   * @param {{x: number, y: number}} at  From the upper left corner of the viewport.
+   * @param {{width: number, height: number}} viewport  Its size in pixels.
+   * @param {number} picture
+   * @param {number[]} warp
+   * @param {number} magnification
+   * @returns {{x: number, y: number} | null} null if it shows the background
+   */
+  pixelAt({x, y}, {width, height}, picture, warp, magnification) {
+    const {gl} = this, found = new Uint8Array(4);
+    this.pixel_ ??= this.makePixel_();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.pixel_);
+    gl.viewport(-x, y + 1 - height, width, height);
+    gl.clearColor(1, 1, 1, 1);  // Further right and below than any picture reaches.
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    const places = this.prepare_(picture, new Float32Array(warp),
+      magnification * width / this.size_.width);
+    gl.uniform1i(places.locates, 1);
+    gl.uniform2i(places.rows, 0, 0);
+    gl.drawElements(gl.TRIANGLES, this.meshes_[picture].count, gl.UNSIGNED_INT, 0);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return found[1] === 255 ? null : {x: found[0] + 256 * found[1], y: found[2] + 256 * found[3]};
+  }
+
+  /** @private */
+  makePixel_() {
+    const {gl} = this, framebuffer = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
+    for (const [place, format] of /** @type {const} */ ([[gl.COLOR_ATTACHMENT0, gl.RGBA8],
+      [gl.DEPTH_ATTACHMENT, gl.DEPTH_COMPONENT24]])) {
+      const buffer = gl.createRenderbuffer();
+      gl.bindRenderbuffer(gl.RENDERBUFFER, buffer);
+      gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, buffer);
+    }
+    return framebuffer;
+  }
+
+  /**
+   * Sets the program of surfaces, and what it draws of a picture.
+   * @private
+   * @param {number} picture
+   * @param {Float32Array} matrix
+   * @param {number} magnification  Pixels of the viewport per pixel of the picture.
+   */
+  prepare_(picture, matrix, magnification) {
+    const {gl} = this, {width, height} = this.size_;
+    const {corners, mask, seams, triangles} = this.meshes_[picture];
+    const {program, places} = this.surfaces_;
+    gl.enable(gl.DEPTH_TEST);
+    gl.enable(gl.CULL_FACE);
     gl.useProgram(program);
     this.bind_(CORNERS, corners, gl.NEAREST);
     this.bind_(MASK, mask, gl.NEAREST);
@@ -245,18 +237,11 @@ export class WarpPainter {
     gl.uniform2i(places.size, width, height);
     gl.uniform1i(places.top, picture * height);
     gl.uniform1f(places.magnification, magnification);
-    gl.uniform1f(places.opacity, opacity);
     gl.uniform3fv(places.background, this.background_);
     gl.uniform1i(places.hatches, 0);
     gl.uniformMatrix4fv(places.warp, false, matrix);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
-    const draw = () => gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
-    if (opacity === 1) {
-      draw();
-    } else {
-      this.blend_(draw);
-    }
-    this.hatch_(this.meshes_[picture], matrix);
+    return places;
   }
 
   /**
@@ -266,7 +251,7 @@ export class WarpPainter {
    * @param {() => void} draw
    */
   blend_(draw) {
-    const gl = this.gl_;
+    const {gl} = this;
     gl.enable(gl.POLYGON_OFFSET_FILL);
     gl.polygonOffset(-CELL_PX, 0);
     gl.colorMask(false, false, false, false);
@@ -286,9 +271,10 @@ export class WarpPainter {
    * @private
    * @param {PictureMesh} mesh
    * @param {Float32Array} matrix
+   * @param {number[]} rows  As ROWS has them.
    */
-  hatch_({count, steepAt, walls, wallCount}, matrix) {
-    const gl = this.gl_;
+  hatch_({count, steepAt, walls, wallCount}, matrix, rows) {
+    const {gl} = this;
     gl.depthFunc(gl.LEQUAL);
     gl.depthMask(false);
     gl.uniform1i(this.surfaces_.places.hatches, 1);
@@ -302,6 +288,7 @@ export class WarpPainter {
     gl.uniform1f(places.opened,
       OPENED + OPENED_BY_MOVE * Math.hypot(matrix[8], matrix[9]) / matrix[15]);
     gl.uniform3fv(places.background, this.background_);
+    gl.uniform2iv(places.rows, rows);
     gl.uniformMatrix4fv(places.warp, false, matrix);
     gl.drawArrays(gl.TRIANGLES, 0, 6 * wallCount);
     gl.enable(gl.CULL_FACE);
@@ -315,7 +302,7 @@ export class WarpPainter {
    * @param {LeanDepths} lean
    */
   fill_(mesh, lean) {
-    const gl = this.gl_, {width, height} = this.size_;
+    const {gl} = this, {width, height} = this.size_;
     this.bind_(CORNERS, mesh.corners, gl.NEAREST);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16UI, lean.columns, lean.rows, 0, gl.RED_INTEGER,
       gl.UNSIGNED_SHORT, lean.corners);
@@ -345,7 +332,7 @@ export class WarpPainter {
    * @param {number} filter
    */
   bind_(unit, texture, filter) {
-    const gl = this.gl_;
+    const {gl} = this;
     gl.activeTexture(gl.TEXTURE0 + unit);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);

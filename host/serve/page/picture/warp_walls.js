@@ -237,10 +237,22 @@ vec4 hatch() {
   return vec4(mix(background, ink, is_line ? 0.4 : 0.12), 1.0);
 }`;
 
+/** Draws only each second row if `rows` is (0 or 1 from the top, height of the viewport). */
+export const ROWS = `
+uniform ivec2 rows;
+bool is_other_row() {
+  return rows.y > 0 && (rows.y - 1 - int(gl_FragCoord.y) & 1) != rows.x;
+}`;
+
 export const WALL_FRAGMENT = `#version 300 es
 precision highp float;
+precision highp int;
+${ROWS}
 ${HATCH}
 out vec4 color;
 void main() {
+  if (is_other_row()) {
+    discard;
+  }
   color = hatch();
 }`;

@@ -1,5 +1,6 @@
 // The status line below the picture: quality, digest, speed and size.
 import {byId, h, update} from '../elements/dom.js';
+import {composedSize, partsOf} from '../picture/stereo.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
@@ -32,7 +33,9 @@ export function createBadge(app) {
     speed.textContent = `${header.machine_ms.toFixed(0)} ms`
       + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
     speed.title = 'Time to render this frame, and displayed frames per second';
-    size.textContent = `${header.width} × ${header.height}`;
+    const eye = [header.width, header.height];
+    size.textContent = (header.views === 1 ? eye
+      : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × ');
     size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
   });
   const showQuality = () => {
@@ -111,7 +114,7 @@ function sizeMenu(app) {
   });
   const follow = () => {
     if (menu.value === '' && app.store.state && !app.connection.watches) {
-      const wished = sizeOf(app.picture.stage);
+      const wished = sizeOf(app.picture.stage, partsOf(app.store.state.stereo).length);
       if (wished !== app.store.state.size.join('x')) {
         void app.connection.set({name: 'size', words: [wished]});
       }
@@ -129,6 +132,17 @@ function sizeMenu(app) {
     clearTimeout(timer);
     timer = window.setTimeout(follow, SETTLE_MS);
   }).observe(app.picture.stage);
+  let ownRevision = 0;
+  app.connection.on('reply', ({reply}) => {
+    ownRevision = Math.max(ownRevision, reply.revision ?? 0);
+  });
+  app.connection.on('lost', () => { ownRevision = 0; });
+  // One eye's picture fits half of the panel if the pictures lie side by side.
+  app.store.subscribe(['stereo'], ({revision}) => {
+    if (revision <= ownRevision) {
+      follow();
+    }
+  });
   let isGreeted = false;
   app.connection.on('hello', () => {
     menu.disabled = app.connection.watches;
@@ -144,10 +158,13 @@ function sizeMenu(app) {
   return menu;
 }
 
-/** @param {HTMLElement} stage */
-function sizeOf(stage) {
+/**
+ * @param {HTMLElement} stage
+ * @param {number} parts  Pictures that lie side by side.
+ */
+function sizeOf(stage, parts) {
   const box = stage.getBoundingClientRect();
-  const width = box.width * devicePixelRatio, height = box.height * devicePixelRatio;
+  const width = box.width * devicePixelRatio / parts, height = box.height * devicePixelRatio;
   const scale = Math.min(1, Math.sqrt(MOST_AUTO_PX / Math.max(1, width * height)));
   const even = (/** @type {number} */ px) =>
     Math.max(16, Math.floor(px * scale / STEP_PX) * STEP_PX);

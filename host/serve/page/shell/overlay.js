@@ -9,6 +9,8 @@ const MARGIN_REM = 1.2;     // From the edge of the picture to a letter.
 const BAR_SHARE = 0.25;     // Maximum length, as a share of the picture's width.
 const CROSS_PX = 9;
 const CUBE_HALF = 21;
+const CUT = 'The picture is larger than its panel. A picture of alternate rows is never scaled, so '
+  + 'its edges are hidden. Choose a smaller size, or "fit to panel", below.';
 const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, number]}[]} */ ([
   {at: [0, 0.5], anchor: 'start', on: [-1, 0]},
   {at: [1, 0.5], anchor: 'end', on: [1, 0]},
@@ -22,36 +24,36 @@ const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, num
  */
 export function createOverlay(app, viewpoint) {
   const {picture} = app;
-  const letters = EDGES.map(({anchor}) => s('text', {class: 'side', 'text-anchor': anchor}));
-  // A dark line behind the light line, so that the bar is visible on any ground.
-  const bar = s('g', {'data-testid': 'scale-bar'}, s('path', {class: 'scale-edge'}),
-    s('path', {class: 'scale'}));
-  const barText = s('text', {class: 'scale-text'});
-  const cross = s('g', {class: 'crosshair', visibility: 'hidden', 'data-testid': 'crosshair'},
-    s('path', {d: `M${-CROSS_PX} 0H-3M3 0H${CROSS_PX}M0 ${-CROSS_PX}V-3M0 3V${CROSS_PX}`}));
-  picture.overlay.append(s('g', {}, ...letters), s('g', {}, bar, barText), cross);
+  // The second of each is for the right part of a picture of both eyes.
+  const frames = ['scale-bar', 'scale-bar-2'].map(id => new Frame(id));
+  const crosses = ['crosshair', 'crosshair-2'].map(id => s('g', {visibility: 'hidden',
+    'data-testid': id},
+  s('path', {d: `M${-CROSS_PX} 0H-3M3 0H${CROSS_PX}M0 ${-CROSS_PX}V-3M0 3V${CROSS_PX}`})));
+  picture.overlay.append(...frames.map(({root}) => root), ...crosses);
   const cube = createCube(app, viewpoint);
   /** @type {Triple | null} */
   let place = null;
 
   const redraw = () => {
-    const {camera, width, height} = picture;
+    const {camera, height} = picture, eyes = picture.eyes();
     update(picture.overlay, {visibility: camera ? null : 'hidden'});
-    if (!camera) {
-      update(cross, {visibility: 'hidden'});
-      return;
-    }
-    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
-    EDGES.forEach(({at, on}, index) => {
-      letters[index].textContent = lettersTowards(camera.patient_to_eye, on);
-      update(letters[index], {x: margin + at[0] * (width - 2 * margin),
-        y: margin + at[1] * (height - 2 * margin), dy: '0.36em'});
+    byId('cut').textContent = CUT;
+    byId('cut').hidden = !camera || !picture.isCut;
+    // Of an anaglyph both eyes see one frame, at the depth of the screen.
+    const parts = eyes.filter(({left}, index) => index === 0 || left > 0);
+    frames.forEach(({root}, index) =>
+      update(root, {visibility: index < parts.length ? null : 'hidden'}));
+    parts.forEach(({left, width}, index) => camera && frames[index].draw(camera.patient_to_eye,
+      {left, width, height, mmPerPlace: viewpoint.mmPerPlace()}));
+    crosses.forEach((cross, index) => {
+      const eye = eyes[index], at = place && eye?.project(place);
+      update(cross, at?.visible ? {transform: `translate(${at.x} ${at.y})`, visibility: 'visible'}
+        : {visibility: 'hidden'});
+      update(cross, {class: `crosshair eye-${eye?.name ?? 'middle'}`});
     });
-    drawBar(bar, barText, viewpoint.mmPerPlace(), {x: margin, y: height - margin, width});
-    const at = place && picture.project(place);
-    update(cross, at?.visible ? {transform: `translate(${at.x} ${at.y})`, visibility: 'visible'}
-      : {visibility: 'hidden'});
-    cube(camera.patient_to_eye);
+    if (camera) {
+      cube(camera.patient_to_eye);
+    }
   };
   picture.onChange(redraw);
   document.addEventListener('place', event => {
@@ -61,11 +63,45 @@ export function createOverlay(app, viewpoint) {
   app.store.subscribe(['background'], ({background}) => {
     picture.overlay.classList.toggle('on-light', isLight(background));
   });
+  app.store.subscribe(['stereo'], ({stereo}) => {
+    picture.overlay.classList.toggle('anaglyph', stereo === 'anaglyph');
+  });
   app.store.subscribe(['volume'], ({volume}) => {
     place = null;
     redraw();
     showWarning(placeWarning(volume));
   });
+}
+
+/** Letters and scale bar at the edges of a part of the picture. */
+class Frame {
+  /** @param {string} id  For the tests. */
+  constructor(id) {
+    /** @private */
+    this.letters_ = EDGES.map(({anchor}) => s('text', {class: 'side', 'text-anchor': anchor}));
+    // A dark line behind the light line, so that the bar is visible on any ground.
+    /** @private */
+    this.bar_ = s('g', {'data-testid': id}, s('path', {class: 'scale-edge'}),
+      s('path', {class: 'scale'}));
+    /** @private */
+    this.barText_ = s('text', {class: 'scale-text'});
+    this.root = s('g', {}, s('g', {}, ...this.letters_), s('g', {}, this.bar_, this.barText_));
+  }
+
+  /**
+   * @param {number[]} patientToEye
+   * @param {{left: number, width: number, height: number, mmPerPlace: number}} part  In places.
+   */
+  draw(patientToEye, {left, width, height, mmPerPlace}) {
+    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+    EDGES.forEach(({at, on}, index) => {
+      this.letters_[index].textContent = lettersTowards(patientToEye, on);
+      update(this.letters_[index], {x: left + margin + at[0] * (width - 2 * margin),
+        y: margin + at[1] * (height - 2 * margin), dy: '0.36em'});
+    });
+    drawBar(this.bar_, this.barText_, mmPerPlace,
+      {x: left + margin, y: height - margin, width});
+  }
 }
 
 /** @param {string} text */

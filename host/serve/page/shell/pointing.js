@@ -20,27 +20,28 @@ export function createPointing(app, reset) {
     words.hidden ||= !header.rests;
   });
   let timer = 0;
-  const pointAt = (/** @type {PointerEvent} */ event) => {
-    timer = 0;
-    const pixel = app.picture.pixelAt(event);
-    if (pixel) {
-      void point(app, pixel, words);
-    }
-  };
   return event => {
-    const pixel = app.picture.pixelAt(event);
-    if (!pixel || app.connection.watches) {
+    const place = app.picture.placeAt(event);
+    if (app.connection.watches) {
       return;
     }
     if (app.modes.current) {
-      app.modes.current.click(pixel.x, pixel.y);
+      if (place) {
+        const {x, y} = app.picture.pixelOf(place);
+        app.modes.current.click(x, y);
+      }
     } else if (timer !== 0) {
       // A double click points at nothing.
       clearTimeout(timer);
       timer = 0;
       reset();
     } else {
-      timer = window.setTimeout(() => pointAt(event), DOUBLE_CLICK_MS);
+      timer = window.setTimeout(() => {
+        timer = 0;
+        if (place) {
+          void point(app, app.picture.pixelOf(place), words);
+        }
+      }, DOUBLE_CLICK_MS);
     }
   };
 }

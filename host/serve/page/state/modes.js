@@ -4,7 +4,7 @@
  * @typedef {object} Mode
  * @property {string} name
  * @property {string} hint                One line, shown over the picture while the mode lasts.
- * @property {(x: number, y: number) => void} click  Pixel of the picture (`state.size`).
+ * @property {(x: number, y: number) => void} click  Pixel of the picture.
  * @property {(value: number) => void} [value]  A click on a slice, where the volume has `value`.
  * @property {string} [surface]          The surface that the mode changes.
  * @property {() => void} [leave]         Called whenever the mode ends.

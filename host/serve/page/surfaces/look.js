@@ -15,8 +15,12 @@ const DEGREE = Math.PI / 180;
 const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels',
   2: 'cells of 4 voxels', 3: 'cells of 8 voxels'};
 
-/** Modes whose pictures have the size of one camera's, and stand being scaled. */
-const STEREO_MODES = {off: 'off', anaglyph: 'red and cyan glasses'};
+const STEREO_MODES = {off: 'off', anaglyph: 'red/cyan glasses', sbs: 'side by side',
+  cross: 'crossed eyes', rows: 'alternate rows'};
+
+const STEREO_TITLE = 'Draws a picture for each eye. The command stereo sets the distance of the '
+  + 'eyes. Alternate rows are for 3-D monitors: the left eye has rows 0, 2, 4 … of the picture. '
+  + 'If near and far are exchanged, move the window by one row of the monitor.';
 
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
@@ -171,27 +175,47 @@ export function createLook(root, app) {
   createWarpSwitch(root, app);
 }
 
+const LOOK_TITLE = 'Turns the picture by a few degrees with the pointer over it, or with a phone '
+  + 'in the hand, by the depths of the picture. The view stays the same. Touch the picture to make '
+  + 'the present orientation of the phone the middle. Not with transparent surfaces.';
+
 /**
- * The switch of the pictures between pictures.
+ * The switch of the pictures between pictures, and the switch of looking around.
  * @param {HTMLElement} root
  * @param {App} app
  */
-function createWarpSwitch(root, {connection, picture: {warp}}) {
+function createWarpSwitch(root, {connection, toasts, picture: {warp}}) {
   if (!warp) {
     return;
   }
+  const {parallax} = warp;
+  const look = h('input', {type: 'checkbox', 'data-testid': 'parallax-switch',
+    onchange: async () => {
+      const why = look.checked ? await parallax.start() : '';
+      if (why !== '') {
+        toasts.info(why);
+      }
+      if (!look.checked) {
+        parallax.stop();
+      }
+    }});
+  const lookLabel = h('label', {class: 'row'}, look,
+    'Look around by moving the pointer or the phone');
   const box = h('input', {type: 'checkbox', 'data-testid': 'warp-switch',
     onchange: () => { warp.isOn = box.checked; }});
   const label = h('label', {class: 'row'}, box, 'Follow the pointer between pictures');
-  root.append(label);
+  root.append(label, lookLabel);
   warp.onSwitched(() => {
-    label.hidden = connection.watches;
+    lookLabel.hidden = label.hidden = connection.watches;
+    look.checked = parallax.isOn;
+    look.disabled = !warp.isOn;
+    lookLabel.title = warp.isOn ? LOOK_TITLE : 'Needs "Follow the pointer between pictures".';
     box.checked = warp.isOn;
     box.disabled = warp.refusal !== '';
     label.title = box.disabled ? `Not possible here: ${warp.refusal}.`
       : 'While the view moves, shows the newest picture from the newest viewpoint by its depths. '
         + 'Parts that the picture has not seen are hatched. Not with two or more transparent '
-        + 'surfaces, nor in stereo.';
+        + 'surfaces, nor with one in stereo.';
   });
 }
 
@@ -233,8 +257,8 @@ function createMaterial(root, app) {
     h('label', {class: 'row', title: 'Fewer triangles are drawn faster. The status line states '
       + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
     h('span', {class: 'field'}, 'Triangles'), detail),
-    h('label', {class: 'row', title: 'Draws a picture for each eye. The command stereo sets the '
-      + 'distance of the eyes.'}, h('span', {class: 'field'}, 'Stereo'), stereo), gapLabel);
+    h('label', {class: 'row', title: STEREO_TITLE}, h('span', {class: 'field'}, 'Stereo'), stereo),
+    gapLabel);
   app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {
       show(input, String(state.material[key]));

@@ -131,7 +131,7 @@ function meshPart(app, dialog) {
  * Draws the picture on the machine, with as many samples per pixel as there is memory for.
  * @param {App} app
  * @param {string} name
- * @param {string} size  WIDTHxHEIGHT
+ * @param {string} size  WIDTHxHEIGHT, of one eye's picture.
  * @returns {Promise<{href: string, samples: number} | null>}  null after an error, which is shown.
  */
 async function drawn(app, name, size) {
@@ -175,9 +175,10 @@ function picturePart(app, dialog) {
   const marks = mark('save-overlay'), legend = mark('save-legend');
   const save = async () => {
     const name = `${baseName(app)}.${format.value}`;
-    const [width, height] = enlarged(app.store.state?.size ?? [1, 1], Number(scale.value));
+    const eye = enlarged(app.store.state?.size ?? [1, 1], Number(scale.value));
+    const [width, height] = app.picture.wholeSize(eye);
     dialog.close();
-    const picture = await drawn(app, name, `${width}x${height}`);
+    const picture = await drawn(app, name, eye.join('x'));
     if (!picture) {
       return;
     }

@@ -1,0 +1,162 @@
+// Pairs of pictures with depths: the page composes them exactly at rest, and warps them on the way.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import test from 'node:test';
+import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
+import { treeOf } from '../processes.js';
+import { after, middleOf, rawSocket, say, settled } from '../steps.js';
+import { keepFrames, loadModules } from '../warp/warping.js';
+
+const MODES = ['anaglyph', 'sbs', 'cross', 'rows'];
+const MOST_OFF = 3;          // Of 255: the anaglyph of WebGL and that of the host.
+const LEAST_PSNR_DB = 26;    // Of a warped picture a few degrees aside, in means of 4 x 4 pixels.
+const LEAST_GAIN_DB = 4;     // Over the picture as it was.
+
+let raw;
+
+usePage(['phantom:pelvis', 'resample=96x96x72', '--set', 'heartbeat.misses=0'], async () => {
+  raw = await rawSocket(page, server.url);
+  await after(page, () => say(raw, 'surface skin visible=no'),
+              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+});
+
+/** The pixels of the picture's canvas, as text. */
+function pixelsOf(page) {
+  return page.getByTestId('frame').evaluate(async canvas => {
+    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+    const digest = await crypto.subtle.digest('SHA-256', data);
+    return `${canvas.width} ${canvas.height} ${new Uint8Array(digest).join()}`;
+  });
+}
+
+test('at rest, the page composes exactly the picture of the host', async () => {
+  await say(raw, 'view 25 10 fit=yes');
+  const plain = await openPage(browser, `${server.url}&warp=off`);
+  for (const mode of MODES) {
+    await after(page, () => say(raw, `stereo ${mode}`));
+    const { digest } = await settled(page);
+    assert.equal((await settled(plain.page)).digest, digest);
+    assert.equal(await pixelsOf(plain.page), await pixelsOf(page), mode);
+    assert.equal(await byId('badge-digest').textContent(), digest);
+  }
+  await plain.close();
+});
+
+/** Runs in the page: a kept pair, composed exactly and by WebGL at the viewpoint drawn for. */
+async function compare([index, mode]) {
+  const { modules, kept } = globalThis;
+  const load = name => import(new URL(name, location.href).href);
+  const { drawPair } = await load('picture/compose.js');
+  const { camerasAt } = await load('picture/camera.js');
+  const { partsOf } = await load('picture/stereo.js');
+  const { message } = kept.at(index);
+  const { header, picture, depths } = modules.messages.parseFrame(message);
+  const pair = await createImageBitmap(new Blob([picture], { type: 'image/png' }));
+  const { width, height } = header;
+  const leans = await Promise.all(depths.map(each => modules.lean.unpack(each, width, height)));
+  const context = document.createElement('canvas').getContext('2d');
+  drawPair(context, pair, mode);
+  const exact = context.getImageData(0, 0, context.canvas.width, height);
+  const canvas = document.createElement('canvas');
+  const painter = new modules.painter.WarpPainter(canvas);
+  painter.take(pair, leans);
+  const { camera, background } = globalThis.pxpl5.state, stereo = { mode, separation_mm: 0,
+    convergence_mm: 0 };
+  const cameras = camerasAt(camera, camera, width / height, stereo);
+  const begin = mode === 'anaglyph' ? 'beginAnaglyph' : 'begin';
+  painter[begin](width * partsOf(mode).length, height, background);
+  partsOf(mode).forEach((part, place) => part.eyes.forEach(eye => {
+    const { patient_to_clip: clip } = cameras[eye];
+    painter.draw(eye, modules.camera.multiply(clip, modules.camera.inverse(clip)), 1, 1,
+                 { left: width * (mode === 'anaglyph' ? eye : place), width, height,
+                   rows: mode === 'rows' ? eye : undefined });
+  }));
+  if (mode === 'anaglyph') painter.endAnaglyph();
+  const gl = canvas.getContext('webgl2'), across = canvas.width;
+  const found = new Uint8Array(4 * across * height);
+  gl.readPixels(0, 0, across, height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+  let most = 0, colors = 0;
+  for (let y = 0; y < height; y++) {
+    for (let at = 0; at < 4 * across; at++) {
+      const a = exact.data[4 * across * y + at], b = found[4 * across * (height - 1 - y) + at];
+      most = Math.max(most, Math.abs(a - b));
+      colors += a !== exact.data[at % 4] ? 1 : 0;
+    }
+  }
+  gl.getExtension('WEBGL_lose_context').loseContext();
+  return { most, colors, views: header.views };
+}
+
+test('at the viewpoint drawn for, WebGL composes the picture of the host', async t => {
+  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  await keeping.page.evaluate(loadModules);
+  for (const mode of MODES) {
+    const { revision } = await after(keeping.page, () => say(raw, `stereo ${mode}`));
+    let index = -1;
+    for (let tries = 0; tries < 8 && index < 0; tries++) {
+      if (tries > 0) await after(keeping.page, () => say(raw, `view ${25 + tries} 10`));
+      index = await keeping.page.evaluate(revision =>
+        globalThis.kept.findIndex(each => each.revision >= revision), revision);
+      if (index >= 0 && tries > 0) index = -2;
+    }
+    const { most, colors, views } = await keeping.page.evaluate(compare,
+      [index === -2 ? -1 : index, mode]);
+    t.diagnostic(`${mode}: off by ${most} of 255 at most`);
+    assert.equal(views, 2);
+    assert.ok(colors > 10_000, `${colors}`);
+    assert.ok(most <= (mode === 'anaglyph' ? MOST_OFF : 0), `${mode}: off by ${most}`);
+  }
+  await keeping.close();
+});
+
+/** The processes of the GPs. */
+function gps() {
+  return treeOf(server.child.pid).filter(pid =>
+    readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0')[0].endsWith('pxpl5-gp'));
+}
+
+/** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */
+function similarity(page, ...screenshots) {
+  return page.evaluate(async files => {
+    const [a, b] = await Promise.all(files.map(async file => {
+      const bytes = Uint8Array.from(atob(file), each => each.charCodeAt(0));
+      const bitmap = await createImageBitmap(new Blob([bytes]));
+      const [width, height] = [bitmap.width, bitmap.height].map(px => Math.floor(px / 4));
+      const context = new OffscreenCanvas(width, height).getContext('2d');
+      context.drawImage(bitmap, 0, 0, 4 * width, 4 * height, 0, 0, width, height);
+      return context.getImageData(0, 0, width, height).data;
+    }));
+    const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
+    return 10 * Math.log10(255 * 255 * a.length / sum);
+  }, screenshots.map(each => each.toString('base64')));
+}
+
+test('while the machine is late, both eyes follow the pointer', async t => {
+  for (const mode of MODES) {
+    await after(page, () => say(raw, `stereo ${mode}`));
+    await after(page, () => say(raw, 'view anterior fit=yes'));
+    const stage = await middleOf(byId('stage'));
+    const at = { x: stage.x - 100, y: stage.y };
+    await page.mouse.move(at.x, at.y);
+    await page.mouse.down();
+    const late = await byId('stage').screenshot(), stopped = gps();
+    for (const pid of stopped) process.kill(pid, 'SIGSTOP');
+    let warped;
+    try {
+      await page.mouse.move(at.x + 9, at.y + 5);
+      await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
+      warped = await byId('stage').screenshot();
+      await shoot(page, `stereo-warped-${mode}`);
+    } finally {
+      for (const pid of stopped) process.kill(pid, 'SIGCONT');
+    }
+    await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
+    await settled(page);
+    const exact = await byId('stage').screenshot();
+    await page.mouse.up();
+    const [found, before] = [await similarity(page, warped, exact),
+                            await similarity(page, late, exact)];
+    t.diagnostic(`${mode}: ${found.toFixed(1)} dB, as it was ${before.toFixed(1)} dB`);
+    assert.ok(found >= LEAST_PSNR_DB && found >= before + LEAST_GAIN_DB, `${found} ${before} dB`);
+  }
+});
