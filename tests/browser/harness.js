@@ -18,8 +18,9 @@ mkdirSync(shots, { recursive: true });
 const { chromium } = createRequire(path.join(modules, 'here.js'))('playwright-core');
 
 // The last: no name is resolved, so that a page which needs another host cannot pass.
-const flags = ['--no-sandbox', '--disable-gpu', '--disable-quic', '--no-first-run',
-             '--disable-background-networking', '--disable-component-update', '--disable-sync',
+const flags = ['--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader', '--disable-quic',
+             '--no-first-run', '--disable-background-networking', '--disable-component-update',
+             '--disable-sync',
              '--js-flags=--expose-gc', '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1'];
 /** A step that takes longer hangs: generous, since the computer may have other work. */
 const STEP_MS = 30_000;
@@ -76,15 +77,17 @@ export async function launchBrowser() {
 
 /**
  * Opens a page and waits until it shows a picture.
- * @param {object} options of the browser's context, such as `viewport` in CSS pixels; `script` is
- *   a function that runs in the page before its own code
+ * @param {object} options of the browser's context, such as `viewport` in CSS pixels; `scripts` are
+ *   functions or texts that run in the page before its own code, `script` is one of them
  * @returns `close` fails the test if the page complained: errors in the console or not caught
  */
-export async function openPage(browser, url, { script, ...options } = {}) {
+export async function openPage(browser, url, { script, scripts = [script], ...options } = {}) {
   const context = await browser.newContext(
     { viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
   context.setDefaultTimeout(STEP_MS);
-  if (script) await context.addInitScript(script);
+  for (const each of scripts.filter(Boolean)) {
+    await context.addInitScript(typeof each === 'string' ? { content: each } : each);
+  }
   const page = await context.newPage();
   const complaints = [];
   page.on('pageerror', error => complaints.push(String(error.stack)));

@@ -95,12 +95,14 @@ ROOMS = {
         "picture": {"link", "elements", "state"},
         "panel": {"link", "elements", "state", "picture"},
         "surfaces": {"link", "elements", "state", "picture", "panel"},
+        "headset": {"link", "elements", "picture", "panel"},
         "slices": {"link", "elements", "panel"},
         "inspect": {"link", "elements", "panel"},
         "machine": {"link", "elements", "panel"},
         "volume": {"link", "elements", "panel"},
         "shell": {"link", "elements", "picture", "panel", "slices", "inspect", "machine", "volume"},
-        ".": {"link", "elements", "state", "picture", "panel", "surfaces", "volume", "shell"},
+        ".": {"link", "elements", "state", "picture", "panel", "headset", "surfaces", "volume",
+              "shell"},
     },
 }
 # Files that the build writes. generated/vocabulary.hpp is plain: every folder may include it.

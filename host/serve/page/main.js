@@ -1,6 +1,7 @@
 // Starts the page: makes its parts and connects them.
 import {byId} from './elements/dom.js';
 import {OPENING, Toasts} from './elements/toasts.js';
+import {Headset} from './headset/headset.js';
 import {Connection} from './link/connection.js';
 import {address} from './link/token.js';
 import {watchPointers} from './picture/gestures.js';
@@ -62,11 +63,13 @@ function start() {
       void connection.do(way);
     }
   };
+  const headset = new Headset(app, window.pxpl5.headset);
   const actions = {
     undo: () => step('undo'), redo: () => step('redo'),
-    open: createOpenDialog(app), save: createSaveDialog(app), help: createHelp(),
+    open: createOpenDialog(app), save: createSaveDialog(app),
+    help: createHelp(headset.help),
   };
-  createBar(app, actions);
+  createBar(app, actions, headset.button);
   createLeft(app);
   createOverlay(app, viewpoint);
   createBadge(app);

@@ -174,6 +174,19 @@ export class Connection {
     });
   }
 
+  /**
+   * Asks for a pair of pictures for the eyes of a headset, newest only.
+   * @param {object | null} eyes  As host/serve/README.md describes them; null ends it.
+   * @returns {Promise<Reply>} Never rejected. The pair arrives as a frame.
+   */
+  eyes(eyes) {
+    return new Promise(reply => {
+      if (this.request_({eyes}, {line: '', sentAt: performance.now(), reply}) === 0) {
+        reply({ok: false, error: 'Not connected.'});
+      }
+    });
+  }
+
   /** Starts a new undo step. */
   mark() {
     void this.do('mark', {quiet: true});

@@ -5,7 +5,7 @@ import {ModelView} from './model_view.js';
 import {NodeDialog} from './node_dialog.js';
 import {NodeList} from './node_list.js';
 import {messageLine} from '../panel/panel_parts.js';
-import {PointerTimes} from './pointer_times.js';
+import {HeadsetTimes, PointerTimes} from './pointer_times.js';
 import {RegionMap} from './region_map.js';
 import {RingView} from './ring_view.js';
 import {StageBars} from './stage_bars.js';
@@ -49,6 +49,7 @@ class MachinePanel {
     this.regions = new RegionMap();
     this.stages = new StageBars();
     this.pointer = new PointerTimes(app);
+    this.headset = new HeadsetTimes();
     this.computers = new ComputersView(app);
     this.title = h('span', {'data-testid': 'machine-title'});
     this.events = h('ol', {class: 'events', 'data-testid': 'machine-events',
@@ -62,6 +63,7 @@ class MachinePanel {
       this.computers.element,
       h('h3', {}, 'Regions by Renderer'), this.regions.canvas, this.regions.readout,
       h('h3', {}, 'Time per frame'), this.stages.element, this.pointer.element,
+      this.headset.element,
       h('h3', {}, 'Modelled machine of 1993'), new ModelView(app).element);
     root.append(h('p', {class: 'panel-intro'}, 'Activity of the nodes. ', this.title),
       this.message.element, this.events, this.body);
@@ -109,6 +111,7 @@ class MachinePanel {
       : null);
     this.stages.update(report);
     this.pointer.update();
+    this.headset.update();
     for (const {name, answered} of report.nodes) {
       const answers = this.dead.get(name);
       if (answers !== undefined && answered !== false) {

@@ -1,4 +1,4 @@
-// How late the screen follows the pointer, and how old the machine's pictures are.
+// How late the screen follows the pointer or the head, and how old the machine's pictures are.
 import {h} from '../elements/dom.js';
 
 /**
@@ -31,6 +31,29 @@ export class PointerTimes {
         + `${pointer.median.toFixed(0)} ms (median), ${pointer.most.toFixed(0)} ms (95 %). `
         + 'Age of the viewpoint that the machine drew: '
         + `${picture.median.toFixed(0)} ms, ${picture.most.toFixed(0)} ms.`;
+    }
+  }
+}
+
+/** The same for a headset, as long as it is worn and afterwards. */
+export class HeadsetTimes {
+  constructor() {
+    this.element = h('p', {class: 'legend', 'data-testid': 'headset-times', hidden: true});
+  }
+
+  /** Shows the newest figures. */
+  update() {
+    const {pose_to_pixels_ms, pose_age_ms, prediction_error_mm} = window.pxpl5.headset;
+    const pose = spreadOf(pose_to_pixels_ms), age = spreadOf(pose_age_ms);
+    const error = spreadOf(prediction_error_mm);
+    this.element.hidden = !pose || !age;
+    if (pose && age) {
+      this.element.textContent = 'Headset, from the pose to the pixels: '
+        + `${pose.median.toFixed(0)} ms (median), ${pose.most.toFixed(0)} ms (95 %). `
+        + `Age of the pose that the machine drew: ${age.median.toFixed(0)} ms, `
+        + `${age.most.toFixed(0)} ms.`
+        + (error ? ` Error of the predicted pose: ${error.median.toFixed(1)} mm, `
+          + `${error.most.toFixed(1)} mm.` : '');
     }
   }
 }

@@ -3,6 +3,30 @@
 const KEPT = 256;  // Length of each list; older values are dropped.
 
 /**
+ * Figures of the headset, see headset/. Lists have the newest values.
+ * @typedef {object} HeadsetFigures
+ * @property {'off' | 'visible' | 'visible-blurred' | 'hidden'} state  Off: no session.
+ * @property {string} reason                   Why the page offers no headset, or ''.
+ * @property {string} refusal                  Why the machine draws no pairs, or ''.
+ * @property {number} frames                   Of the headset, since the page was opened.
+ * @property {number} pairs                    Shown since the session began.
+ * @property {number} pose                     Number of the pose that the newest pair is of.
+ * @property {number[]} size                   Of each picture of that pair, pixels.
+ * @property {number[]} pose_to_pixels_ms      From the pose of a frame until it is drawn.
+ * @property {number[]} pose_age_ms            Of each frame: age of the pose that its pair is of.
+ * @property {number[]} round_trip_ms          From sending a pose to its pair.
+ * @property {number[]} prediction_error_mm    Of the head, between prediction and later pose.
+ * @property {number[]} unpredicted_error_mm   The same, had the last pose been sent instead.
+ */
+
+/** @returns {HeadsetFigures} */
+export function noHeadsetFigures() {
+  return {state: 'off', reason: '', refusal: '', frames: 0, pairs: 0, pose: 0, size: [0, 0],
+    pose_to_pixels_ms: [], pose_age_ms: [], round_trip_ms: [], prediction_error_mm: [],
+    unpredicted_error_mm: []};
+}
+
+/**
  * @typedef {object} Metrics
  * @property {number} frames            Shown since the page was opened.
  * @property {number} revision          Revision of the last frame.
@@ -14,6 +38,7 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  *                                      a revision at or after the reply's.
  * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
  * @property {import('./warp.js').WarpFigures | null} warp
+ * @property {HeadsetFigures} headset
  * @property {import('../link/vocabulary.js').State | null} state
  */
 
@@ -32,6 +57,7 @@ export function measure(connection, store, picture) {
   /** @type {Metrics} */
   const metrics = {frames: 0, revision: 0, rests: false, last: false, samples: 0, digest: '',
     latency_ms: [], frame_times_ms: [], warp: picture.warp?.figures ?? null,
+    headset: noHeadsetFigures(),
     get state() { return store.state; }};
 
   const keep = (/** @type {any[]} */ list, /** @type {any} */ value) => {

@@ -243,6 +243,9 @@ export class PictureView {
    * @param {Frame} frame
    */
   take_(frame) {
+    if (frame.header.pose !== 0) {
+      return;  // Of a headset.
+    }
     this.next_?.shown();
     this.next_ = frame;
     if (!this.decoding_) {

@@ -6,8 +6,9 @@ import {byId, h} from '../elements/dom.js';
 /**
  * @param {App} app
  * @param {import('./keyboard.js').Actions} actions
+ * @param {HTMLElement} headset  The button of the headset.
  */
-export function createBar(app, actions) {
+export function createBar(app, actions, headset) {
   const name = h('strong', {'data-testid': 'title-volume'});
   const about = h('span', {class: 'muted about'});
   const undo = h('button', {'data-testid': 'undo', 'aria-label': 'Undo', onclick: actions.undo},
@@ -25,7 +26,7 @@ export function createBar(app, actions) {
       title: 'This address is view-only. To make changes, use the other address that pxpl5 '
         + 'serve printed.'}, 'View only'),
     h('span', {class: 'grow'}), undo, redo, open,
-    save,
+    save, headset,
     h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
       onclick: actions.help}, '?'));
   app.store.subscribe(['volume', 'archive', 'machine'], ({volume, archive, machine}) => {

@@ -27,8 +27,11 @@ const SHEET = /** @type {const} */ ([
   ]],
 ]);
 
-/** @returns {() => void} shows the sheet */
-export function createHelp() {
+/**
+ * @param {HTMLElement} headset  What there is to say about a headset.
+ * @returns {() => void} shows the sheet
+ */
+export function createHelp(headset) {
   const dialog = h('dialog', {id: 'help', 'aria-labeledby': 'help-title',
     'data-testid': 'help-sheet'},
     h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, 'Help'),
@@ -38,7 +41,8 @@ export function createHelp() {
       + 'Processors extract the surfaces, and its Renderers draw them. Pictures are compressed '
       + 'during interaction, and lossless and refined at rest.'),
     h('div', {class: 'sheet'}, ...SHEET.map(([title, rows]) => h('section', {}, h('h3', {}, title),
-      h('dl', {}, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]))))));
+      h('dl', {}, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])))),
+      headset));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
       dialog.close();

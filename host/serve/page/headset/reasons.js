@@ -1,0 +1,34 @@
+// Whether this page can use a headset, and if not, why.
+
+/**
+ * What the user can do about an address that is not secure. Browsers offer WebXR on https: and on
+ * localhost only.
+ * @param {string} port  Of the page.
+ */
+export function insecureReason(port) {
+  return 'A headset needs a secure address, and this address is not secure. Start pxpl5 serve with '
+    + '--tls-cert and --tls-key. Or connect the headset by a cable to the computer of pxpl5 serve, '
+    + `run “adb reverse tcp:${port} tcp:${port}” there, and open http://localhost:${port} with the `
+    + 'printed token in the browser of the headset.';
+}
+
+/**
+ * @returns {Promise<string>} why this browser shows nothing in a headset; '' if it does
+ */
+export async function reasonAgainst() {
+  if (!window.isSecureContext) {
+    const isTls = location.protocol === 'https:';
+    return insecureReason(location.port || (isTls ? '443' : '80'));
+  }
+  if (!navigator.xr) {
+    return 'This browser has no WebXR. Chrome, Edge and the browsers of headsets have it.';
+  }
+  try {
+    return await navigator.xr.isSessionSupported('immersive-vr') ? ''
+      : 'The browser has found no headset. Connect one, or open this page in the browser of the '
+        + 'headset.';
+  } catch (error) {
+    return `The browser does not let this page use a headset: ${
+      error instanceof Error ? error.message : error}`;
+  }
+}
