@@ -17,11 +17,10 @@ mkdirSync(shots, { recursive: true });
 
 const { chromium } = createRequire(path.join(modules, 'here.js'))('playwright-core');
 
-// The last: no name is resolved, so that a page which needs another host cannot pass.
 const flags = ['--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader', '--disable-quic',
              '--no-first-run', '--disable-background-networking', '--disable-component-update',
              '--disable-sync',
-             '--js-flags=--expose-gc', '--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1'];
+             '--js-flags=--expose-gc'];
 /** A step that takes longer hangs: generous, since the computer may have other work. */
 const STEP_MS = 30_000;
 
@@ -68,10 +67,16 @@ export async function serve(...words) {
   };
 }
 
-/** @returns a browser without a screen, and without any other host than this one. */
-export async function launchBrowser() {
+/**
+ * @param {string} [rule]  Of a name that this browser resolves, as `MAP headset.test 127.0.0.1`.
+ * @returns a browser without a screen, and without any other host than this one
+ */
+export async function launchBrowser(rule = '') {
   const executablePath = ['/usr/bin/chromium', '/usr/bin/google-chrome'].find(existsSync);
-  const browser = await chromium.launch({ executablePath, args: flags });
+  // No other name is resolved, so that a page which needs another host cannot pass.
+  const rules = [rule, 'MAP * ~NOTFOUND', 'EXCLUDE 127.0.0.1'].filter(Boolean).join(', ');
+  const browser = await chromium.launch(
+    { executablePath, args: [...flags, `--host-resolver-rules=${rules}`] });
   return browser;
 }
 

@@ -94,6 +94,26 @@ export function readEyes(page) {
   }));
 }
 
+/**
+ * Where the patient is in an eye's picture: the mean of the tangents of its pixels, to the right
+ * and up, and the number of pixels. Pixels of the room's lines and letters are few.
+ */
+export function patientIn({ width, height, pixels, projection }) {
+  const [red, green, blue] = pixels;  // The upper left corner shows nothing.
+  let [x, y, count] = [0, 0, 0];
+  for (let at = 0; at < pixels.length; at += 4) {
+    // Bone and skin are reddish; letters are gray, and hands are blue.
+    if (pixels[at] - pixels[at + 2] > 12 + red - blue && pixels[at + 1] > green) {
+      x += at / 4 % width;
+      y += Math.floor(at / 4 / width);
+      count += 1;
+    }
+  }
+  const right = (x / count + 0.5) / width * 2 - 1, up = 1 - (y / count + 0.5) / height * 2;
+  return { x: (right + projection[8]) / projection[0], y: (up + projection[9]) / projection[5],
+           count };
+}
+
 /** Waits until a pair of the current pose is shown. */
 export function settledPair(page) {
   return page.evaluate(async () => {

@@ -75,14 +75,19 @@ export async function loadModules() {
     const warp = multiply(clip(view), inverse(clip(frame.camera)));
     frame.leans.forEach((_, layer) => painter.draw(layer, warp, view.zoom / frame.camera.zoom,
                                                    layer ? frame.header.opacity / 16 : 1));
-    const gl = canvas.getContext('webgl2'), { width, height } = frame;
+    const pixels = modules.read(canvas);
+    canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
+    return pixels;
+  };
+  /** The pixels of a canvas of WebGL, the upper row first. */
+  modules.read = canvas => {
+    const gl = canvas.getContext('webgl2'), { width, height } = canvas;
     const bottomUp = new Uint8Array(width * height * 4), pixels = new Uint8Array(bottomUp.length);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bottomUp);
     for (let y = 0; y < height; y++) {
       pixels.set(bottomUp.subarray((height - 1 - y) * width * 4, (height - y) * width * 4),
                  y * width * 4);
     }
-    gl.getExtension('WEBGL_lose_context').loseContext();
     return pixels;
   };
   /** A background that no surface has, to find what is not known. */
@@ -99,6 +104,42 @@ export async function loadModules() {
     let sum = 0;
     for (let i = 0; i < 16; i++) sum += pixels[((y + (i >> 2)) * width + x + (i & 3)) * 4 + k];
     return sum / 16;
+  };
+  /**
+   * Compares pictures with the exact one where it shows a surface.
+   * @param exact     {width, height, pixels, shows(x, y)}
+   * @param keyed     The first picture before modules.key: what it does not know is seen there.
+   * @param pictures  Pixels.
+   * @returns the unknown share of the surface, and the PSNR of each picture in means of 4 x 4
+   */
+  modules.judge = (exact, keyed, pictures) => {
+    const { width, height } = exact;
+    const isDark = at => modules.isEmpty(keyed, at) || modules.isHatched(keyed, at);
+    let unknown = 0, covered = 0;
+    for (let at = 0; at < keyed.length; at += 4) {
+      const shows = exact.shows(at / 4 % width, Math.floor(at / 4 / width));
+      covered += shows;
+      unknown += shows && isDark(at) ? 1 : 0;
+    }
+    const inBlock = (x, y, holds) => [0, 1, 2, 3].some(i => [0, 1, 2, 3].some(j =>
+      holds(x + i, y + j)));
+    const isUnknown = (x, y) => exact.shows(x, y) && isDark((y * width + x) * 4);
+    // Blocks that show a surface. Unknown pixels are counted above, and have no color to compare.
+    const db = pixels => {
+      let sum = 0, count = 0;
+      for (let y = 0; y + 4 <= height; y += 4) {
+        for (let x = 0; x + 4 <= width; x += 4) {
+          if (!inBlock(x, y, exact.shows) || inBlock(x, y, isUnknown)) continue;
+          for (let k = 0; k < 3; k++) {
+            sum += (modules.mean(pixels, width, x, y, k) -
+                    modules.mean(exact.pixels, width, x, y, k)) ** 2;
+            ++count;
+          }
+        }
+      }
+      return 10 * Math.log10(255 * 255 * count / sum);
+    };
+    return { unknown: unknown / covered, covered, db: pictures.map(db) };
   };
   globalThis.modules = modules;
 }
@@ -127,36 +168,11 @@ export async function comparePictures(pair) {
   const { modules } = globalThis;
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
-  const { width, height } = exact;
   const keyed = modules.warp(late, exact.camera, modules.key);
   const warped = modules.warp(late, exact.camera, exact.state.background);
-  const isDark = at => modules.isEmpty(keyed, at) || modules.isHatched(keyed, at);
-  let unknown = 0, covered = 0;
-  for (let at = 0; at < keyed.length; at += 4) {
-    const shows = exact.shows(at / 4 % width, Math.floor(at / 4 / width));
-    covered += shows;
-    unknown += shows && isDark(at) ? 1 : 0;
-  }
-  const inBlock = (x, y, holds) => [0, 1, 2, 3].some(i => [0, 1, 2, 3].some(j =>
-    holds(x + i, y + j)));
-  const isUnknown = (x, y) => exact.shows(x, y) && isDark((y * width + x) * 4);
-  // Blocks that show a surface. Unknown pixels are counted above, and have no color to compare.
-  const db = pixels => {
-    let sum = 0, count = 0;
-    for (let y = 0; y + 4 <= height; y += 4) {
-      for (let x = 0; x + 4 <= width; x += 4) {
-        if (!inBlock(x, y, exact.shows) || inBlock(x, y, isUnknown)) continue;
-        for (let k = 0; k < 3; k++) {
-          sum += (modules.mean(pixels, width, x, y, k) -
-                  modules.mean(exact.pixels, width, x, y, k)) ** 2;
-          ++count;
-        }
-      }
-    }
-    return 10 * Math.log10(255 * 255 * count / sum);
-  };
-  return { warped_db: db(warped), late_db: db(late.pixels), unknown: unknown / covered,
-           bytes: late.bytes, depth_bytes: late.depth_bytes };
+  const { unknown, db } = modules.judge(exact, keyed, [warped, late.pixels]);
+  return { warped_db: db[0], late_db: db[1], unknown, bytes: late.bytes,
+           depth_bytes: late.depth_bytes };
 }
 
 /** Whether kept frames have one size. Each is a list with an index. */

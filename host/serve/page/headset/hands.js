@@ -101,12 +101,15 @@ export class Hands {
           {grip, tip: add(grip.position, rotated(grip.turn, [0, 0, -TIP_M]))});
       }
     }
-    for (const source of [...this.grabbing_]) {
-      if (!this.hands_.has(source)) {
+    // A controller that is only hidden for a moment still holds what it held.
+    const present = new Set(frame.session.inputSources);
+    for (const source of [...this.grabbing_, ...this.pressed_.keys()]) {
+      if (!present.has(source)) {
         this.grabbing_.delete(source);
+        this.pressed_.delete(source);
       }
     }
-    if (this.cutting_ && !this.hands_.has(this.cutting_)) {
+    if (this.cutting_ && !present.has(this.cutting_)) {
       this.endCut_(this.cutting_);
     }
     this.grab_(before);

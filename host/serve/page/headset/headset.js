@@ -94,7 +94,7 @@ export class Headset {
       await this.wear_(session);
     } catch (error) {
       await session?.end().catch(() => {});
-      this.mirror_.querySelector('canvas')?.remove();
+      this.mirror_.querySelector('.view')?.remove();
       this.app_.toasts.error(`The headset could not be started: ${
         error instanceof Error ? error.message : error}`);
     } finally {
@@ -105,7 +105,8 @@ export class Headset {
   /** @private @param {XRSession} session */
   async wear_(session) {
     const canvas = h('canvas', {'aria-hidden': 'true', width: 1, height: 1});
-    this.mirror_.prepend(canvas);
+    const view = h('div', {class: 'view'}, canvas);
+    this.mirror_.prepend(view);
     const worn = new Worn(this.app_, canvas, this.figures_);
     this.session_ = session;
     let why = '';
@@ -120,7 +121,7 @@ export class Headset {
       this.mirror_.hidden = true;
       this.button.setAttribute('aria-pressed', 'false');
       worn.end();
-      canvas.remove();
+      view.remove();
       if (why !== '') {
         this.app_.toasts.error(why);
       } else {

@@ -17,8 +17,7 @@ export function insecureReason(port) {
  */
 export async function reasonAgainst() {
   if (!window.isSecureContext) {
-    const isTls = location.protocol === 'https:';
-    return insecureReason(location.port || (isTls ? '443' : '80'));
+    return insecureReason(location.port || '80');
   }
   if (!navigator.xr) {
     return 'This browser has no WebXR. Chrome, Edge and the browsers of headsets have it.';

@@ -10,7 +10,7 @@
  * @property {Vector} at       Of its middle, meters.
  * @property {number} height   Of a line, meters.
  * @property {string} color    As CSS has it.
- * @property {boolean} [boxed] On a dark ground.
+ * @property {boolean} [boxed] On a dark ground, and not hidden by what is nearer.
  */
 
 const TEXT_PX = 48;         // Height of a line in the texture.
@@ -148,7 +148,12 @@ export class RoomPainter {
     gl.uniform1i(this.labels_.text, 0);
     const distance = (/** @type {Label} */ {at}) => Math.hypot(at[0] - position[0],
       at[1] - position[1], at[2] - position[2]);
-    for (const label of [...labels].sort((a, b) => distance(b) - distance(a))) {
+    const inOrder = [...labels].sort((a, b) =>
+      Number(a.boxed ?? false) - Number(b.boxed ?? false) || distance(b) - distance(a));
+    for (const label of inOrder) {
+      if (label.boxed) {
+        gl.disable(gl.DEPTH_TEST);
+      }
       const {texture, aspect, rows} = this.text_(label);
       const height = label.height * rows, width = height * aspect;
       gl.activeTexture(gl.TEXTURE0);

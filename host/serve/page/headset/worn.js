@@ -25,6 +25,7 @@ const FENCE_EVERY = 8;               // Frames; the time of drawing is measured 
 const MIRROR_EVERY = 3;              // Frames of the headset per frame of the mirror.
 const MIRROR_PX = 720;
 const EYES_ABOVE_FLOOR_M = 1.6;      // Where the headset does not know the floor.
+const LONGEST_STEP_S = 0.1;          // After a pause, nothing jumps.
 const KEPT = 256;
 
 /** @param {number[]} list @param {number} value */
@@ -128,7 +129,7 @@ export class Worn {
     const head = poseOf(viewer.transform);
     const sphere = state.volume || state.archive ? state.camera : null;
     this.place_(sphere, head, state.volume?.identity ?? state.archive ?? '');
-    this.hands_.update(frame, space, this.before_ === 0 ? 0 : (now - this.before_) / 1000);
+    this.hands_.update(frame, space, Math.min(LONGEST_STEP_S, (now - this.before_) / 1000));
     this.before_ = now;
     const eyes = viewer.views.map(each => poseOf(each.transform));
     this.follow_(now, head);
@@ -140,6 +141,7 @@ export class Worn {
     this.measure_(now);
     if (layer.framebuffer && this.figures_.frames % MIRROR_EVERY === 0) {
       this.mirror_(viewer.views[0], layer.getViewport(viewer.views[0]), head, sphere);
+      gl.bindFramebuffer(gl.FRAMEBUFFER, layer.framebuffer);
     }
   }
 

@@ -41,8 +41,8 @@ export function createHelp(headset) {
       + 'Processors extract the surfaces, and its Renderers draw them. Pictures are compressed '
       + 'during interaction, and lossless and refined at rest.'),
     h('div', {class: 'sheet'}, ...SHEET.map(([title, rows]) => h('section', {}, h('h3', {}, title),
-      h('dl', {}, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)])))),
-      headset));
+      h('dl', {}, ...rows.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]))))));
+  dialog.querySelector('.sheet section:last-child')?.before(headset);  // Beside the panels.
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
       dialog.close();
