@@ -71,47 +71,46 @@ export function setHead(page, x, y, z, yawDegrees = 0, pitchDegrees = 0) {
   }, [x, y, z, yawDegrees * Math.PI / 180, pitchDegrees * Math.PI / 180]);
 }
 
-/** The pixels of both eyes within the next frame of the headset: width, height, rows downwards. */
-export function readEyes(page) {
+/**
+ * Both eyes within the next frame of the headset: their viewports, positions, and where the patient
+ * is in their pictures.
+ * @returns {Promise<{eye: string, x: number, y: number, width: number, height: number,
+ *   position: number[], patient: {x: number, y: number, count: number}}[]>}
+ */
+export function lookThroughEyes(page) {
   return page.evaluate(() => new Promise(take => {
+    /**
+     * The mean of the tangents of the patient's pixels, to the right and up, and the number of
+     * these pixels. Bone is reddish; letters and lines of the room are gray or blue.
+     */
+    const patientIn = (gl, { x, y, width, height }, projection) => {
+      const pixels = new Uint8Array(4 * width * height);
+      gl.readPixels(x, y, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+      const [red, green, blue] = pixels.subarray(4 * width * (height - 1));  // Shows nothing.
+      const sum = { x: 0, y: 0, count: 0 };
+      for (let at = 0; at < pixels.length; at += 4) {
+        if (pixels[at] - pixels[at + 2] > 12 + red - blue && pixels[at + 1] > green) {
+          sum.x += at / 4 % width + 0.5;
+          sum.y += Math.floor(at / 4 / width) + 0.5;
+          sum.count += 1;
+        }
+      }
+      const { count } = sum, [right, up] = [sum.x / count / width, sum.y / count / height]
+        .map(share => share * 2 - 1);
+      return { x: (right + projection[8]) / projection[0], y: (up + projection[9]) / projection[5],
+               count };
+    };
     globalThis.afterXrFrame = frame => {
       globalThis.afterXrFrame = undefined;
-      const layer = frame.session.renderState.baseLayer, gl = layer.context;
-      take(globalThis.viewerPose.views.map(view => {
-        const { x, y, width, height } = layer.getViewport(view);
-        const bottomUp = new Uint8Array(4 * width * height);
-        gl.readPixels(x, y, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bottomUp);
-        const rows = Array.from({ length: height }, (_, row) =>
-          bottomUp.subarray((height - 1 - row) * width * 4, (height - row) * width * 4));
-        const pixels = new Uint8Array(bottomUp.length);
-        rows.forEach((row, at) => pixels.set(row, at * width * 4));
-        return { eye: view.eye, x, y, width, height, pixels: [...pixels],
-                 position: [view.transform.position.x, view.transform.position.y,
-                            view.transform.position.z],
-                 projection: [...view.projectionMatrix] };
+      const layer = frame.session.renderState.baseLayer;
+      take(globalThis.viewerPose.views.map(({ eye, projectionMatrix, transform }, at) => {
+        const viewport = layer.getViewport(globalThis.viewerPose.views[at]);
+        const { x, y, width, height } = viewport, { position } = transform;
+        return { eye, x, y, width, height, position: [position.x, position.y, position.z],
+                 patient: patientIn(layer.context, viewport, projectionMatrix) };
       }));
     };
   }));
-}
-
-/**
- * Where the patient is in an eye's picture: the mean of the tangents of its pixels, to the right
- * and up, and the number of pixels. Pixels of the room's lines and letters are few.
- */
-export function patientIn({ width, height, pixels, projection }) {
-  const [red, green, blue] = pixels;  // The upper left corner shows nothing.
-  let [x, y, count] = [0, 0, 0];
-  for (let at = 0; at < pixels.length; at += 4) {
-    // Bone and skin are reddish; letters are gray, and hands are blue.
-    if (pixels[at] - pixels[at + 2] > 12 + red - blue && pixels[at + 1] > green) {
-      x += at / 4 % width;
-      y += Math.floor(at / 4 / width);
-      count += 1;
-    }
-  }
-  const right = (x / count + 0.5) / width * 2 - 1, up = 1 - (y / count + 0.5) / height * 2;
-  return { x: (right + projection[8]) / projection[0], y: (up + projection[9]) / projection[5],
-           count };
 }
 
 /** Waits until a pair of the current pose is shown. */

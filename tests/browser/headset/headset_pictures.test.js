@@ -11,7 +11,6 @@ import { comparePairs, keepPairs, loadPairs, warpedPair } from './pairs.js';
 const LEAST_PSNR_DB = 28;      // 3 cm aside, in means of 4 x 4 pixels.
 const LEAST_GAIN_DB = 15;      // Over a picture that is only turned.
 const MOST_UNKNOWN = 0.08;     // Share of the surface's pixels that only the exact picture shows.
-const EYE_PX = 512;
 
 let raw;
 
@@ -24,7 +23,7 @@ usePage(['phantom:pelvis', 'resample=128x128x96'], async () => {
 /** A worn headset whose pairs are kept. */
 async function wearKeeping() {
   const own = await openWithHeadset(browser, server.url, { scripts: [keepPairs] });
-  await wear(own.page, EYE_PX);
+  await wear(own.page);
   await own.page.evaluate(loadModules);
   await own.page.evaluate(loadPairs);
   return own;

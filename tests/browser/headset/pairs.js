@@ -1,6 +1,9 @@
 // Functions that run in the page: they keep pairs of pictures, and compare warped eyes.
 
-/** Runs before the page's own code: keeps the newest pair of each pose, and its matrices. */
+/**
+ * Runs before the page's own code: keeps the newest pair of each pose, and its matrices. Asks for
+ * larger pictures than the emulated headset needs.
+ */
 export function keepPairs() {
   const Plain = globalThis.WebSocket;
   globalThis.pairs = new Map();
@@ -14,9 +17,12 @@ export function keepPairs() {
       });
     }
     send(text) {
-      const { eyes } = JSON.parse(text);
-      if (eyes) globalThis.pairs.set(eyes.pose, { eyes });
-      super.send(text);
+      const message = JSON.parse(text), { eyes } = message;
+      if (eyes) {
+        eyes.size = [512, 512];
+        globalThis.pairs.set(eyes.pose, { eyes });
+      }
+      super.send(JSON.stringify(message));
     }
   };
 }
