@@ -57,17 +57,20 @@ std::string png_of(int width, int height, std::span<const std::uint32_t> rgba) {
     return bytes;
 }
 
-std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba, int quality) {
+std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba,
+                    JpegQuality quality) {
     check_size(width, height, rgba);
+    const int colors = quality.full_color ? TJSAMP_444 : TJSAMP_420;
     const std::unique_ptr<void, int (*)(void*)> encoder(tjInitCompress(), tjDestroy);
     if (!encoder) {
         throw std::runtime_error("cannot encode a JPEG: no memory");
     }
-    std::string bytes(tjBufSize(width, height, TJSAMP_420), '\0');
+    std::string bytes(tjBufSize(width, height, colors), '\0');
     auto* data = reinterpret_cast<unsigned char*>(bytes.data());
     unsigned long size = bytes.size();
     if (tjCompress2(encoder.get(), reinterpret_cast<const unsigned char*>(rgba.data()), width, 0,
-                    height, TJPF_RGBX, &data, &size, TJSAMP_420, quality, TJFLAG_NOREALLOC) != 0) {
+                    height, TJPF_RGBX, &data, &size, colors, quality.quality,
+                    TJFLAG_NOREALLOC) != 0) {
         throw std::runtime_error(
             fmt::format("cannot encode a JPEG: {}", tjGetErrorStr2(encoder.get())));
     }

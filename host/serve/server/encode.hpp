@@ -1,6 +1,7 @@
 // A frame as the bytes that go to a viewer.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -20,10 +21,18 @@ std::string frame_header(const FrameHeader& header);
 /// Throws std::runtime_error with the encoder's reason.
 std::string png_of(int width, int height, std::span<const std::uint32_t> rgba);
 
+/// How much a JPEG keeps. Better choices compare greater.
+struct JpegQuality {
+    int quality = 80;  ///< 1 to 100.
+    /// The color of each pixel (4:4:4), not of 2 x 2 pixels (4:2:0).
+    bool full_color = false;
+
+    auto operator<=>(const JpegQuality&) const = default;
+};
+
 /// Likewise as a JPEG file.
-///
-/// quality  1 to 100.
-std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba, int quality);
+std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba,
+                    JpegQuality quality);
 
 /// The layers of each view as one picture, for viewers who show no layers. Per channel: (front *
 /// opacity + behind * (16 - opacity)) / 16, halves rounded up. This is the mean of the pixels of a

@@ -12,11 +12,19 @@ constexpr double least_time_ms = 0.05;  // Resolution of the clock; keeps a rate
 constexpr double longest_ms = 1000;     // A hidden tab displays no frames for minutes.
 constexpr double margin = 0.8;          // To improve, a frame must fit this part of the budget.
 
-/// Size of a JPEG against one of min_quality, by steps of quality: of pictures of the phantoms.
-constexpr std::array<double, 5> relative_sizes{1.0, 1.10, 1.26, 1.52, 2.10};
+struct Step {
+    JpegQuality quality;
+    double size;  ///< Relative to least_quality, for pictures of the phantoms.
+};
+constexpr std::array<Step, 6> steps{{{least_quality, 1.0},
+                                     {{60, false}, 1.10},
+                                     {{70, false}, 1.26},
+                                     {{80, false}, 1.52},
+                                     {{90, false}, 2.10},
+                                     {best_quality, 3.23}}};
 
-double size_of(int quality) {
-    return relative_sizes[static_cast<std::size_t>((quality - min_quality) / quality_step)];
+double size_of(JpegQuality quality) {
+    return std::ranges::find(steps, quality, &Step::quality)->size;
 }
 
 }  // namespace
@@ -53,28 +61,27 @@ double LinkRate::bytes_per_s() const {
     return recent_ms_ > 0 ? recent_bytes_ / recent_ms_ * 1000 : 0;
 }
 
-void LinkRate::encoded(int quality, std::size_t pixels, std::size_t bytes) {
+void LinkRate::encoded(JpegQuality quality, std::size_t pixels, std::size_t bytes) {
     bytes_per_pixel_ = static_cast<double>(bytes) / static_cast<double>(pixels) / size_of(quality);
 }
 
-double LinkRate::bytes_of(int quality, double pixels) const {
-    return bytes_per_pixel_ * size_of(quality) * pixels;
+double LinkRate::bytes_of(std::size_t step, double pixels) const {
+    return bytes_per_pixel_ * steps[step].size * pixels;
 }
 
-int LinkRate::quality(std::size_t pixels) {
+JpegQuality LinkRate::quality(std::size_t pixels) {
     if (bytes_per_s() == 0 || bytes_per_pixel_ == 0) {
-        return quality_;
+        return steps[step_].quality;
     }
     const auto count = static_cast<double>(pixels);
-    while (quality_ > min_quality && bytes_of(quality_, count) > budget_bytes()) {
-        quality_ -= quality_step;
+    while (step_ > 0 && bytes_of(step_, count) > budget_bytes()) {
+        --step_;
     }
     // One step at a time, and with room to spare, so that it does not swing.
-    if (quality_ < max_quality &&
-        bytes_of(quality_ + quality_step, count) < margin * budget_bytes()) {
-        quality_ += quality_step;
+    if (step_ + 1 < steps.size() && bytes_of(step_ + 1, count) < margin * budget_bytes()) {
+        ++step_;
     }
-    return quality_;
+    return steps[step_].quality;
 }
 
 double LinkRate::scale(std::size_t full_pixels) {
@@ -82,7 +89,7 @@ double LinkRate::scale(std::size_t full_pixels) {
         return scale_;
     }
     const auto bytes_at = [&](double scale) {
-        return bytes_of(min_quality, static_cast<double>(full_pixels) * scale * scale);
+        return bytes_of(0, static_cast<double>(full_pixels) * scale * scale);
     };
     constexpr double step = 0.25, least = 0.5;
     while (scale_ > least && bytes_at(scale_) > budget_bytes()) {

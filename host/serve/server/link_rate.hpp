@@ -5,10 +5,13 @@
 #include <cstdint>
 #include <deque>
 
+#include "host/serve/server/encode.hpp"
+
 namespace pxpl5::host::serve {
 
 inline constexpr double goal_frames_per_second = 25;
-inline constexpr int min_quality = 50, max_quality = 90, quality_step = 10;
+/// Qualities of moving frames, as JPEG: least_quality, then 60, 70, 80 and 90, then best_quality.
+inline constexpr JpegQuality least_quality{50, false}, best_quality{90, true};
 
 /// Measures a link from acknowledgements. A frame of B bytes, sent at s and acknowledged at a, was
 /// on its way for latency + B / rate, or followed the frame before it out of the same pipe:
@@ -34,9 +37,9 @@ class LinkRate {
     double bytes_per_s() const;
 
     /// Records the size of a moving frame, for quality() and scale().
-    void encoded(int quality, std::size_t pixels, std::size_t bytes);
-    /// The quality of the next moving frame of that size: min_quality to max_quality.
-    int quality(std::size_t pixels);
+    void encoded(JpegQuality quality, std::size_t pixels, std::size_t bytes);
+    /// The quality of the next moving frame of that size: least_quality to best_quality.
+    JpegQuality quality(std::size_t pixels);
     /// 1, 3/4 or 1/2: how much smaller than `full_pixels` a frame must be to move.
     double scale(std::size_t full_pixels);
 
@@ -46,7 +49,7 @@ class LinkRate {
         std::size_t bytes = 0;
         double sent_ms = 0;
     };
-    double bytes_of(int quality, double pixels) const;
+    double bytes_of(std::size_t step, double pixels) const;
     double budget_bytes() const { return bytes_per_s() / goal_frames_per_second; }
 
     std::deque<Flying> flying_;
@@ -54,8 +57,8 @@ class LinkRate {
     std::uint32_t last_sent_ = 0;
     double last_shown_ms_ = 0;
     double recent_bytes_ = 0, recent_ms_ = 0;  // Each measurement halves what older ones weigh.
-    double bytes_per_pixel_ = 0;               // At min_quality.
-    int quality_ = 80;
+    double bytes_per_pixel_ = 0;               // At least_quality.
+    std::size_t step_ = 3;                     // Of the qualities.
     double scale_ = 1;
 };
 

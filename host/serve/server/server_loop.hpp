@@ -77,7 +77,8 @@ class Loop {
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
     OnePicture picture_of(const Shown& shown, bool is_one);
-    const std::string& encoded(const OnePicture& sent, int quality);
+    /// No quality: the PNG.
+    const std::string& encoded(const OnePicture& sent, const std::optional<JpegQuality>& quality);
     const std::string& encoded_depths(const Shown& shown);
     void forget(lws* connection);
 
@@ -94,8 +95,8 @@ class Loop {
     std::uint64_t encoded_sequence_ = 0;
     Words as_one_of_;    ///< The pixels of the frame that as_one_ shows.
     OnePicture as_one_;  ///< The frame as one picture.
-    /// The encoded pictures of the newest frame by pixels and quality; 0 is the PNG.
-    std::map<std::pair<Words, int>, std::string> encoded_;
+    /// The encoded pictures of the newest frame by pixels and quality.
+    std::map<std::pair<Words, std::optional<JpegQuality>>, std::string> encoded_;
     std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
     Words encoded_depths_of_;
     std::size_t resting_pixels_ = 0;

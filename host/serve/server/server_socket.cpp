@@ -232,10 +232,13 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
     const bool is_one = depths.empty() && shown.as_one;
     const OnePicture sent = picture_of(shown, is_one);
-    const int quality = shown.rests ? 0 : viewer.link.quality(sent.pixels->size());
-    const std::string& picture = encoded(sent, quality);
+    std::optional<JpegQuality> quality;
     if (!shown.rests) {
-        viewer.link.encoded(quality, sent.pixels->size(), picture.size() + depths.size());
+        quality = viewer.link.quality(sent.pixels->size());
+    }
+    const std::string& picture = encoded(sent, quality);
+    if (quality) {
+        viewer.link.encoded(*quality, sent.pixels->size(), picture.size() + depths.size());
     }
     FrameHeader header;
     header.number = viewer.count_frame(frame);
@@ -243,10 +246,11 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.width = static_cast<std::uint16_t>(sent.width);
     header.height = static_cast<std::uint16_t>(is_one ? sent.height : shown.height);
     header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
-    header.quality = static_cast<std::uint8_t>(quality);
+    header.quality = static_cast<std::uint8_t>(quality ? quality->quality : 0);
     header.samples = static_cast<std::uint8_t>(shown.samples);
-    header.flags = static_cast<std::uint8_t>((shown.rests ? +FrameFlag::rests : 0) |
-                                             (shown.last ? +FrameFlag::last : 0));
+    header.flags = static_cast<std::uint8_t>(
+        (shown.rests ? +FrameFlag::rests : 0) | (shown.last ? +FrameFlag::last : 0) |
+        (quality && quality->full_color ? +FrameFlag::full_color : 0));
     header.machine_ms = shown.machine_ms;
     header.moved_mm = shown.moved_mm;
     header.digest = shown.digest;
@@ -272,11 +276,12 @@ OnePicture Loop::picture_of(const Shown& shown, bool is_one) {
     return as_one_;
 }
 
-const std::string& Loop::encoded(const OnePicture& sent, int quality) {
+const std::string& Loop::encoded(const OnePicture& sent,
+                                 const std::optional<JpegQuality>& quality) {
     std::string& picture = encoded_[{sent.pixels, quality}];
     if (picture.empty()) {
-        picture = quality == 0 ? png_of(sent.width, sent.height, *sent.pixels)
-                               : jpeg_of(sent.width, sent.height, *sent.pixels, quality);
+        picture = quality ? jpeg_of(sent.width, sent.height, *sent.pixels, *quality)
+                          : png_of(sent.width, sent.height, *sent.pixels);
     }
     return picture;
 }

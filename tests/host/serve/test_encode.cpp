@@ -84,9 +84,9 @@ TEST_CASE("a PNG holds the very pixels") {
 TEST_CASE("a JPEG holds a smooth picture, red still red, the better the higher its quality") {
     const Pixels picture = gradient();
     const double good =
-        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, 90)));
+        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, {90, false})));
     const double poor =
-        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, 50)));
+        difference(picture, decoded_jpeg(jpeg_of(width_px, height_px, picture, {50, false})));
     CHECK(good < 2.5);
     CHECK(poor < 6);
     CHECK(good < poor);
@@ -115,6 +115,18 @@ TEST_CASE("layers are blended by sixteenths, for each view and channel") {
             }
         }
     }
+}
+
+TEST_CASE("a JPEG in full color holds colors that change from pixel to pixel") {
+    Pixels stripes;
+    for (int i = 0; i < width_px * height_px; ++i) {
+        stripes.push_back(i % width_px % 2 == 0 ? 0xff2020c0U : 0xffc02020U);  // Red and blue.
+    }
+    const auto error_of = [&](JpegQuality quality) {
+        return difference(stripes, decoded_jpeg(jpeg_of(width_px, height_px, stripes, quality)));
+    };
+    CHECK(error_of({90, true}) < 5);
+    CHECK(error_of({90, false}) > 40);
 }
 
 TEST_CASE("a frame's header has its fields where the protocol puts them") {

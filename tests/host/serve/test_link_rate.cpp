@@ -23,16 +23,18 @@ struct Pipe {
 
 struct Outcome {
     double bytes_per_s = 0, frames_per_s = 0;
-    int quality = 0;
+    JpegQuality quality;
     double scale = 0;
 };
 
 constexpr std::size_t full_pixels = 512 * 512;
 
 /// Bytes of a JPEG: of a picture that grows faster with quality than LinkRate takes for usual.
-double jpeg_bytes(int quality, double pixels) {
+double jpeg_bytes(JpegQuality quality, double pixels) {
     constexpr std::array<double, 5> growth{1, 1.25, 1.5, 2.1, 3.2};
-    return 0.06 * pixels * growth[static_cast<std::size_t>((quality - 50) / 10)];
+    constexpr double growth_of_color = 1.6;
+    return 0.06 * pixels * growth[static_cast<std::size_t>((quality.quality - 50) / 10)] *
+           (quality.full_color ? growth_of_color : 1);
 }
 
 /// Sends frames for 20 s, as many as two acknowledgements allow and at most 60 a second.
@@ -61,7 +63,7 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
         next_ms = now + 1000.0 / 60;
         const double scale = rate.scale(full_pixels);
         const auto pixels = static_cast<std::size_t>(full_pixels * scale * scale);
-        const int quality = rate.quality(pixels);
+        const JpegQuality quality = rate.quality(pixels);
         const auto bytes =
             static_cast<std::size_t>(jpeg_bytes(quality, static_cast<double>(pixels)));
         rate.encoded(quality, pixels, bytes);
@@ -102,14 +104,14 @@ TEST_CASE("the rate of a pipe is measured to a tenth, whatever its latency") {
 TEST_CASE("a fast link gets the best quality at full size, even if it is far away") {
     for (const double latency_ms : {0.2, 20.0, 200.0}) {
         const Outcome outcome = drive(2e7, latency_ms);
-        CHECK(outcome.quality == max_quality);
+        CHECK(outcome.quality == best_quality);
         CHECK(outcome.scale == 1);
     }
 }
 
 TEST_CASE("a slow link gets worse pictures, then smaller ones, 25 a second while that suffices") {
     const Outcome middling = drive(6e5, 10);
-    CHECK(middling.quality < max_quality);
+    CHECK(middling.quality < JpegQuality{90, false});
     CHECK(middling.scale == 1);
     CHECK(middling.frames_per_s >= 24);
     const Outcome slow = drive(2e5, 10);
@@ -117,16 +119,26 @@ TEST_CASE("a slow link gets worse pictures, then smaller ones, 25 a second while
     CHECK(slow.frames_per_s >= 24);
 }
 
+TEST_CASE("the color of each pixel is sent only if the link has room for it at best quality") {
+    // A frame of quality 90 has 50 kB, one with all colors 81 kB: 25 frames need 1.3 and 2 MB/s.
+    const Outcome tight = drive(1.7e6, 10);
+    CHECK(tight.quality == JpegQuality{90, false});
+    CHECK(tight.scale == 1);
+    const Outcome roomy = drive(3e6, 10);
+    CHECK(roomy.quality == JpegQuality{90, true});
+    CHECK(roomy.frames_per_s >= 24);
+}
+
 TEST_CASE("a link that slows down and recovers is followed both ways") {
     LinkRate rate;
     rate.pinged(5);
     Pipe pipe{1e7, 5, 0};
-    CHECK(drive(rate, pipe, 0).quality == max_quality);
+    CHECK(drive(rate, pipe, 0).quality == best_quality);
     pipe.bytes_per_s = 2e5;
     CHECK(drive(rate, pipe, 30'000).scale == 0.5);
     pipe.bytes_per_s = 1e7;
     const Outcome again = drive(rate, pipe, 60'000);
-    CHECK(again.quality == max_quality);
+    CHECK(again.quality == best_quality);
     CHECK(again.scale == 1);
 }
 
@@ -134,7 +146,7 @@ TEST_CASE("a tab that was hidden for minutes has soon its old quality again") {
     LinkRate rate;
     rate.pinged(5);
     Pipe pipe{1e7, 5, 0};
-    CHECK(drive(rate, pipe, 0).quality == max_quality);
+    CHECK(drive(rate, pipe, 0).quality == best_quality);
     rate.sent(1'000'000, 20'000, 30'000);
     rate.shown(1'000'000, 630'000);
     constexpr std::uint32_t frames = 40;  // About 2 s of them.

@@ -39,6 +39,7 @@ export function parseFrame(message) {
     kind: /** @type {'jpeg' | 'png'} */ (kind === PICTURE_KIND.png ? 'png' : 'jpeg'),
     rests: (flags & FRAME_FLAG.rests) !== 0,
     last: (flags & FRAME_FLAG.last) !== 0,
+    fullColor: (flags & FRAME_FLAG.full_color) !== 0,
     digest: digest === 0n ? '' : digest.toString(16).padStart(16, '0'),
   };
   /** @type {Uint8Array[]} */

@@ -78,7 +78,7 @@ export const LIMITS = Object.freeze({
 
 export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
 
-export const FRAME_FLAG = Object.freeze({rests: 1, last: 2});
+export const FRAME_FLAG = Object.freeze({rests: 1, last: 2, full_color: 4});
 
 export const FRAME_HEADER_BYTES = 56;
 export const FRAME_HEADER_MAGIC = 0x46523550;

@@ -64,13 +64,13 @@ function warpedText({moved_mm}) {
 }
 
 /** @param {FrameHeader} header */
-function qualityText({kind, quality, samples, moved_mm}) {
+function qualityText({kind, quality, samples, moved_mm, fullColor}) {
   const within = `simplified within ${millimeters(moved_mm)} mm`;
   if (moved_mm > 0) {
     return kind === 'png' ? within : `moving, ${within}`;
   }
   return kind === 'png' ? `lossless${samples > 1 ? `, ${samples} samples` : ''}`
-    : `moving, JPEG ${quality}`;
+    : `moving, JPEG ${quality}${fullColor ? ', full color' : ''}`;
 }
 
 /** @param {FrameHeader} header */
