@@ -121,8 +121,8 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   [1, 2, 3, 2, 0, 0, 0, 4, 5, 1, 0, 0, 0, 6].forEach((value, k) => view.setUint8(56 + k, value));
   const {header, picture, depths} = parseFrame(view.buffer);
   assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
-    quality: 90, samples: 16, rests: true, last: true, machine_ms: 12.5,
-    digest: 'abcdef0123456789', moved_mm: 0.75, pose: 9, views: 2, layers: 1, opacity: 6,
+    quality: 90, samples: 16, rests: true, last: true, key: false, fullColor: false,
+    machine_ms: 12.5, digest: 'abcdef0123456789', moved_mm: 0.75, pose: 9, views: 2, layers: 1, opacity: 6,
     reserved: 0});
   assert.deepEqual([picture, ...depths].map(each => [...each]), [[1, 2, 3], [4, 5], [6]]);
   assert.throws(() => parseFrame(new ArrayBuffer(55)), /55 bytes, its header has 56/);
@@ -133,6 +133,10 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   assert.throws(() => parseFrame(view.buffer), /the depths of picture 3 end after byte 70/);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);
+  view.setUint8(16, 3);
+  view.setUint8(19, 8);
+  const {kind, key, rests} = parseFrame(view.buffer).header;
+  assert.deepEqual({kind, key, rests}, {kind: 'vp8', key: true, rests: false});
 });
 
 test('an answer\'s bytes begin at a multiple of 8', () => {

@@ -7,6 +7,7 @@ import {address} from './link/token.js';
 import {watchPointers} from './picture/gestures.js';
 import {measure} from './picture/metrics.js';
 import {PictureView} from './picture/picture.js';
+import {Video} from './picture/video.js';
 import {Viewpoint} from './picture/viewpoint.js';
 import {Warp} from './picture/warp.js';
 import {createBadge} from './shell/badge.js';
@@ -39,6 +40,7 @@ function start() {
   const picture = new PictureView(connection, store, text => toasts.error(text));
   const viewpoint = new Viewpoint(connection, store, picture);
   picture.warp = new Warp(connection, store, picture, viewpoint);
+  picture.video = new Video(connection, text => toasts.info(text));
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
     selection: new Selection(), session: new PageSession()};

@@ -52,6 +52,14 @@ class Loop {
         std::optional<UploadError> error;
     };
 
+    /// A picture as it goes to a viewer. The bytes are valid until the next picture is encoded.
+    struct Encoded {
+        PictureKind kind = PictureKind::jpeg;
+        std::string_view bytes;
+        int quality = 0;
+        int flags = 0;  ///< Of FrameFlag.
+    };
+
     // server_loop.cpp
     void deliver();
     void advise();
@@ -77,6 +85,12 @@ class Loop {
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
     OnePicture picture_of(const Shown& shown, bool is_one);
+    /// The picture in the encoding that suits the viewer's link.
+    Encoded encoded_for(Viewer& viewer, const Shown& shown, const OnePicture& sent,
+                        std::size_t depth_bytes);
+    /// Encodes into video_frame_. False if that fails; the viewer then gets no video any more.
+    bool encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes);
+    bool has_place_for_video(const Viewer& viewer) const;
     /// No quality: the PNG.
     const std::string& encoded(const OnePicture& sent, const std::optional<JpegQuality>& quality);
     const std::string& encoded_depths(const Shown& shown);
@@ -99,6 +113,7 @@ class Loop {
     std::map<std::pair<Words, std::optional<JpegQuality>>, std::string> encoded_;
     std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
     Words encoded_depths_of_;
+    VideoEncoder::Frame video_frame_;  ///< The last of any viewer.
     std::size_t resting_pixels_ = 0;
     Listener listener_;  ///< The last: its callbacks use the others.
 };

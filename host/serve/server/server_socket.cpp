@@ -178,8 +178,8 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
     if (!text) {
         return;
     }
-    if (const auto number = shown_number(*text)) {
-        viewer.link.shown(*number, now_ms());
+    if (const auto frame = shown_frame(*text)) {
+        viewer.link.shown(frame->number, now_ms(), frame->since_arrival_ms);
         if (viewer.takes(*mail_.newest(viewer.number))) {
             lws_callback_on_writable(connection);
         }
@@ -190,6 +190,9 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
             lws_callback_on_writable(connection);
         }
         advise();
+    } else if (const auto wants_video = wanted_video(*text)) {
+        viewer.wants_video = *wants_video;
+        viewer.video.reset();  // The next video frame is a key frame.
     } else if (!mail_.push(Said{viewer.number, viewer.role, std::move(*text)})) {
         viewer.closing = {1013, "Too many messages are waiting for the session."};
         close_soon(connection);
@@ -232,37 +235,74 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
     const bool is_one = depths.empty() && shown.as_one;
     const OnePicture sent = picture_of(shown, is_one);
-    std::optional<JpegQuality> quality;
-    if (!shown.rests) {
-        quality = viewer.link.quality(sent.pixels->size());
-    }
-    const std::string& picture = encoded(sent, quality);
-    if (quality) {
-        viewer.link.encoded(*quality, sent.pixels->size(), picture.size() + depths.size());
-    }
+    const Encoded picture = encoded_for(viewer, shown, sent, depths.size());
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
     header.width = static_cast<std::uint16_t>(sent.width);
     header.height = static_cast<std::uint16_t>(is_one ? sent.height : shown.height);
-    header.kind = shown.rests ? PictureKind::png : PictureKind::jpeg;
-    header.quality = static_cast<std::uint8_t>(quality ? quality->quality : 0);
+    header.kind = picture.kind;
+    header.quality = static_cast<std::uint8_t>(picture.quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
-    header.flags = static_cast<std::uint8_t>(
-        (shown.rests ? +FrameFlag::rests : 0) | (shown.last ? +FrameFlag::last : 0) |
-        (quality && quality->full_color ? +FrameFlag::full_color : 0));
+    header.flags = static_cast<std::uint8_t>((shown.rests ? +FrameFlag::rests : 0) |
+                                             (shown.last ? +FrameFlag::last : 0) | picture.flags);
     header.machine_ms = shown.machine_ms;
     header.moved_mm = shown.moved_mm;
     header.digest = shown.digest;
-    header.picture_bytes = static_cast<std::uint32_t>(picture.size());
+    header.picture_bytes = static_cast<std::uint32_t>(picture.bytes.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
     header.pose = shown.pose;
     header.views = static_cast<std::uint8_t>(is_one ? 1 : shown.views);
     header.layers = static_cast<std::uint8_t>(is_one ? 1 : shown.layers);
     header.opacity = static_cast<std::uint8_t>(is_one ? 0 : shown.opacity);
-    const std::size_t bytes = sizeof(FrameHeader) + picture.size() + depths.size();
-    viewer.link.sent(header.number, bytes, now_ms());
-    return write_message(connection, {frame_header(header), picture, depths}, LWS_WRITE_BINARY);
+    const std::size_t bytes = sizeof(FrameHeader) + picture.bytes.size() + depths.size();
+    viewer.link.sent(header.number, bytes, now_ms(), picture.kind);
+    return write_message(connection, {frame_header(header), picture.bytes, depths},
+                         LWS_WRITE_BINARY);
+}
+
+/// The pairs of a headset are no video: the page warps them, and drops late ones undecoded.
+Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& shown, const OnePicture& sent,
+                                std::size_t depth_bytes) {
+    if (shown.rests) {
+        return {PictureKind::png, encoded(sent, std::nullopt)};
+    }
+    const std::size_t pixels = sent.pixels->size();
+    const bool may_be_video =
+        viewer.wants_video && shown.viewer == 0 && has_place_for_video(viewer);
+    if (viewer.link.uses_video(std::max(pixels, resting_pixels_), may_be_video) &&
+        encode_video(viewer, sent, depth_bytes)) {
+        viewer.link.encoded_depths(pixels, depth_bytes);
+        return {PictureKind::vp8, video_frame_.bytes, 0, video_frame_.is_key ? +FrameFlag::key : 0};
+    }
+    viewer.video.reset();
+    const JpegQuality quality = viewer.link.quality(pixels);
+    const std::string& picture = encoded(sent, quality);
+    viewer.link.encoded(quality, pixels, picture.size() + depth_bytes);
+    return {PictureKind::jpeg, picture, quality.quality,
+            quality.full_color ? +FrameFlag::full_color : 0};
+}
+
+bool Loop::has_place_for_video(const Viewer& viewer) const {
+    const auto has_video = [](const auto& each) { return each.second.viewer.video != nullptr; };
+    return viewer.video ||
+           static_cast<std::size_t>(std::ranges::count_if(sockets_, has_video)) < max_video_viewers;
+}
+
+bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes) {
+    // Depths have their own size. What they leave is for the colors, but not less than a half.
+    const std::size_t goal = viewer.link.video_bytes();
+    try {
+        if (!viewer.video) {
+            viewer.video = std::make_unique<VideoEncoder>();
+        }
+        video_frame_ = viewer.video->encode(sent.width, sent.height, *sent.pixels,
+                                            goal - std::min(depth_bytes, goal / 2));
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "warning: moving pictures are JPEG: {}\n", error.what());
+        viewer.wants_video = false;
+    }
+    return viewer.wants_video;
 }
 
 OnePicture Loop::picture_of(const Shown& shown, bool is_one) {

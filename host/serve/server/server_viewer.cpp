@@ -8,16 +8,24 @@
 namespace pxpl5::host::serve {
 namespace {
 
-/// The value of an object with this key alone; nothing if the text is something else. Most texts
-/// are commands, which the session reads: only texts that may be such an object are read here, too.
-nlohmann::json only_value(const std::string& text, const std::string& key) {
+/// The object that the text is, with this key; empty if the text is something else. Most texts are
+/// commands, which the session reads: only texts that may be such an object are read here, too.
+nlohmann::json short_object(const std::string& text, const std::string& key) {
     constexpr std::size_t longest = 64;
-    if (text.size() > longest || text.find('"' + key + '"') == std::string::npos) {
-        return nlohmann::json::value_t::discarded;
+    if (text.size() <= longest && text.find('"' + key + '"') != std::string::npos) {
+        nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+        if (json.is_object()) {
+            return json;
+        }
     }
-    const auto json = nlohmann::json::parse(text, nullptr, false);
-    const bool fits = json.is_object() && json.size() == 1 && json.contains(key);
-    return fits ? json[key] : nlohmann::json(nlohmann::json::value_t::discarded);
+    return nlohmann::json::object();
+}
+
+/// The value of an object that has this key alone.
+std::optional<bool> only_bool(const std::string& text, const std::string& key) {
+    const nlohmann::json object = short_object(text, key);
+    const nlohmann::json value = object.size() == 1 ? object.value(key, nlohmann::json()) : nullptr;
+    return value.is_boolean() ? std::optional(value.get<bool>()) : std::nullopt;
 }
 
 }  // namespace
@@ -98,17 +106,24 @@ std::uint32_t Viewer::count_frame(const NewestFrame& frame) {
     return ++frames_;
 }
 
-std::optional<std::uint32_t> shown_number(const std::string& text) {
-    const nlohmann::json number = only_value(text, "shown");
-    if (!number.is_number_unsigned() || number.get<std::uint64_t>() > UINT32_MAX) {
+std::optional<ShownFrame> shown_frame(const std::string& text) {
+    const nlohmann::json message = short_object(text, "shown");
+    const nlohmann::json number = message.value("shown", nlohmann::json());
+    const nlohmann::json after = message.value("after_ms", nlohmann::json(0));
+    if (!number.is_number_unsigned() || number.get<std::uint64_t>() > UINT32_MAX ||
+        !after.is_number() || after.get<double>() < 0 ||
+        message.size() > (message.contains("after_ms") ? 2 : 1)) {
         return std::nullopt;
     }
-    return number.get<std::uint32_t>();
+    return ShownFrame{number.get<std::uint32_t>(), after.get<double>()};
 }
 
 std::optional<bool> wanted_depths(const std::string& text) {
-    const nlohmann::json wanted = only_value(text, "depths");
-    return wanted.is_boolean() ? std::optional(wanted.get<bool>()) : std::nullopt;
+    return only_bool(text, "depths");
+}
+
+std::optional<bool> wanted_video(const std::string& text) {
+    return only_bool(text, "video");
 }
 
 }  // namespace pxpl5::host::serve

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <deque>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 
 #include "host/serve/server/link_rate.hpp"
 #include "host/serve/server/server_mail.hpp"
+#include "host/serve/video/video_encoder.hpp"
 
 namespace pxpl5::host::serve {
 
 inline constexpr std::size_t max_viewers = 8;
 inline constexpr std::size_t max_watchers = max_viewers - 1;  ///< A place is kept for a driver.
 inline constexpr std::size_t max_watchers_at_address = 2;     ///< From another computer.
+inline constexpr std::size_t max_video_viewers = 2;           ///< At once; others get JPEG.
 inline constexpr std::size_t max_text_bytes = 64U << 10U;     // Of a message to the server.
 inline constexpr double messages_per_second = 400;            // Of a viewer, on average.
 inline constexpr double messages_at_once = 800;
@@ -36,6 +39,8 @@ class Viewer {
     LinkRate link;
     CloseReason closing;        ///< Once set, it is closed at the next chance.
     bool wants_depths = false;  ///< Its frames carry depths, if the machine has read them.
+    bool wants_video = false;   ///< It can show video.
+    std::unique_ptr<VideoEncoder> video;  ///< Set while its moving frames are video.
 
     /// Adds a part of a message. Returns the whole once `is_final`, nothing before and nothing
     /// (closing is set then) if it is too long or too many have come.
@@ -75,9 +80,17 @@ class Viewer {
     std::uint32_t frames_ = 0;
 };
 
-/// The number in `{"shown":123}`, if the text is that message.
-std::optional<std::uint32_t> shown_number(const std::string& text);
+/// A frame that a viewer has displayed, so long after the frame arrived.
+struct ShownFrame {
+    std::uint32_t number = 0;
+    double since_arrival_ms = 0;
+};
+
+/// The frame in `{"shown":123}` or `{"shown":123,"after_ms":7}`, if the text is that message.
+std::optional<ShownFrame> shown_frame(const std::string& text);
 /// The value in `{"depths":true}`, if the text is that message.
 std::optional<bool> wanted_depths(const std::string& text);
+/// The value in `{"video":true}`, if the text is that message.
+std::optional<bool> wanted_video(const std::string& text);
 
 }  // namespace pxpl5::host::serve

@@ -25,6 +25,15 @@ struct Outcome {
     double bytes_per_s = 0, frames_per_s = 0;
     JpegQuality quality;
     double scale = 0;
+    bool is_video = false;
+    std::size_t bytes = 0;  ///< Of the last frame.
+};
+
+/// A viewer, and what moves on its screen.
+struct Screen {
+    bool takes_video = false;
+    double display_ms = 0;            ///< To decode and display a frame.
+    double video_bytes_needed = 1e9;  ///< At the best quality of the encoder.
 };
 
 constexpr std::size_t full_pixels = 512 * 512;
@@ -38,20 +47,23 @@ double jpeg_bytes(JpegQuality quality, double pixels) {
 }
 
 /// Sends frames for 20 s, as many as two acknowledgements allow and at most 60 a second.
-Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
+Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms, const Screen& screen = {}) {
     struct Acknowledgement {
         std::uint32_t number;
         double at_ms;
+        double since_arrival_ms;
     };
     static std::uint32_t number = 0;
     std::deque<Acknowledgement> coming;
     Outcome outcome;
     double next_ms = begin_ms;
     int shown_late = 0;
+    double displayed_ms = 0;
     constexpr double span_ms = 20'000;
     for (double now = begin_ms; now < begin_ms + span_ms; now += 0.25) {
         while (!coming.empty() && coming.front().at_ms <= now) {
-            rate.shown(coming.front().number, coming.front().at_ms);
+            rate.shown(coming.front().number, coming.front().at_ms,
+                       coming.front().since_arrival_ms);
             if (now > begin_ms + span_ms / 2) {
                 ++shown_late;
             }
@@ -63,13 +75,21 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
         next_ms = now + 1000.0 / 60;
         const double scale = rate.scale(full_pixels);
         const auto pixels = static_cast<std::size_t>(full_pixels * scale * scale);
-        const JpegQuality quality = rate.quality(pixels);
-        const auto bytes =
-            static_cast<std::size_t>(jpeg_bytes(quality, static_cast<double>(pixels)));
-        rate.encoded(quality, pixels, bytes);
-        rate.sent(++number, bytes, now);
-        coming.push_back({number, pipe.acknowledged_ms(static_cast<double>(bytes), now)});
-        outcome.quality = quality;
+        outcome.is_video = rate.uses_video(full_pixels, screen.takes_video);
+        if (outcome.is_video) {
+            const double most = screen.video_bytes_needed * scale * scale;
+            outcome.bytes = std::min(rate.video_bytes(), static_cast<std::size_t>(most));
+            rate.sent(++number, outcome.bytes, now, PictureKind::vp8);
+        } else {
+            outcome.quality = rate.quality(pixels);
+            outcome.bytes =
+                static_cast<std::size_t>(jpeg_bytes(outcome.quality, static_cast<double>(pixels)));
+            rate.encoded(outcome.quality, pixels, outcome.bytes);
+            rate.sent(++number, outcome.bytes, now);
+        }
+        const double arrived_ms = pipe.acknowledged_ms(static_cast<double>(outcome.bytes), now);
+        displayed_ms = std::max(displayed_ms, arrived_ms) + screen.display_ms;
+        coming.push_back({number, displayed_ms, displayed_ms - arrived_ms});
         outcome.scale = scale;
     }
     while (!coming.empty()) {
@@ -81,11 +101,23 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms) {
     return outcome;
 }
 
-Outcome drive(double bytes_per_s, double latency_ms) {
+Outcome drive(double bytes_per_s, double latency_ms, const Screen& screen = {}) {
     LinkRate rate;
     rate.pinged(latency_ms);
     Pipe pipe{bytes_per_s, latency_ms, 0};
-    return drive(rate, pipe, 1000);
+    return drive(rate, pipe, 1000, screen);
+}
+
+/// Three resting pictures, one after the other.
+void rest(LinkRate& rate, Pipe& pipe, double begin_ms) {
+    static std::uint32_t number = 1'000'000;
+    constexpr std::size_t png_bytes = 150'000;
+    double now = begin_ms;
+    for (int i = 0; i < 3; ++i) {
+        rate.sent(++number, png_bytes, now, PictureKind::png);
+        now = pipe.acknowledged_ms(png_bytes, now);
+        rate.shown(number, now);
+    }
 }
 
 }  // namespace
@@ -127,6 +159,68 @@ TEST_CASE("the color of each pixel is sent only if the link has room for it at b
     const Outcome roomy = drive(3e6, 10);
     CHECK(roomy.quality == JpegQuality{90, true});
     CHECK(roomy.frames_per_s >= 24);
+}
+
+TEST_CASE("a slow link gets video if the viewer takes it, and so pictures of full size") {
+    const Outcome jpeg = drive(2e5, 10);
+    CHECK_FALSE(jpeg.is_video);
+    CHECK(jpeg.scale == 0.5);
+    const Outcome video = drive(2e5, 10, {.takes_video = true});
+    CHECK(video.is_video);
+    CHECK(video.scale == 1);
+    CHECK(video.frames_per_s >= 24);
+    CHECK(drive(5e4, 10, {.takes_video = true}).scale == 0.5);
+}
+
+TEST_CASE("a link with room for good JPEG gets no video, also if the browser is slow") {
+    for (const double display_ms : {0.0, 15.0, 60.0}) {
+        CAPTURE(display_ms);
+        const Outcome outcome = drive(4e6, 10, {.takes_video = true, .display_ms = display_ms});
+        CHECK_FALSE(outcome.is_video);
+        CHECK((display_ms < 60 || outcome.quality < JpegQuality{90, false}));
+    }
+}
+
+TEST_CASE("video frames that are displayed late do not become smaller, as the link is no slower") {
+    for (const double display_ms : {0.0, 16.0, 60.0}) {
+        for (const double needed : {2'000.0, 10'000.0, 1e9}) {
+            CAPTURE(display_ms);
+            CAPTURE(needed);
+            const Screen screen{
+                .takes_video = true, .display_ms = display_ms, .video_bytes_needed = needed};
+            const Outcome outcome = drive(5e5, 10, screen);
+            CHECK(outcome.is_video);
+            CHECK(outcome.scale == 1);
+            CHECK((display_ms > 40 || outcome.frames_per_s >= 24));
+            CHECK(static_cast<double>(outcome.bytes) >= std::min(needed, 14'000.0));
+        }
+    }
+}
+
+TEST_CASE("a link that slows down while it carries video gets smaller frames, then larger again") {
+    LinkRate rate;
+    rate.pinged(5);
+    Pipe pipe{5e5, 5, 0};
+    const Screen screen{.takes_video = true, .display_ms = 5};
+    const std::size_t before = drive(rate, pipe, 0, screen).bytes;
+    pipe.bytes_per_s = 2e5;
+    CHECK(drive(rate, pipe, 30'000, screen).bytes < before / 2);
+    pipe.bytes_per_s = 5e5;
+    CHECK(drive(rate, pipe, 60'000, screen).bytes > before * 3 / 4);
+}
+
+TEST_CASE("video ends after a resting picture that shows a faster link, not before") {
+    LinkRate rate;
+    rate.pinged(5);
+    Pipe pipe{3e5, 5, 0};
+    const Screen screen{.takes_video = true, .display_ms = 10, .video_bytes_needed = 12'000};
+    CHECK(drive(rate, pipe, 0, screen).is_video);
+    rest(rate, pipe, 30'000);
+    CHECK(drive(rate, pipe, 40'000, screen).is_video);
+    pipe.bytes_per_s = 2e7;
+    CHECK(drive(rate, pipe, 70'000, screen).is_video);
+    rest(rate, pipe, 100'000);
+    CHECK_FALSE(drive(rate, pipe, 110'000, screen).is_video);
 }
 
 TEST_CASE("a link that slows down and recovers is followed both ways") {

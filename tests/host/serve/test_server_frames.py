@@ -4,6 +4,7 @@ import json
 import pathlib
 import struct
 import sys
+import time
 import zlib
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -102,6 +103,44 @@ class Frames(Case):
         self.shown(warps, 2)
         self.show(plain, 2)
         self.assertEqual([self.frame(each)[0]["revision"] for each in (plain, warps)], [2, 2])
+
+    def moving_on_slow_link(self, viewer, revision, size=(64, 48)):
+        """The head of a moving frame that takes its time to the viewer."""
+        self.show(viewer, revision, size=size)
+        head, _ = self.frame(viewer)
+        time.sleep(0.2)  # With 3 kB, 15 kB/s.
+        self.shown(viewer, head["number"])
+        return head
+
+    def test_moving_pictures_are_video_for_who_wants_it_over_a_slow_link(self):
+        jpeg, png, video, key = 1, 2, 3, 8
+        viewer = self.join()
+        for revision in (1, 2, 3):
+            self.assertEqual(self.moving_on_slow_link(viewer, revision)["kind"], jpeg)
+        viewer.send('{"video":true}')
+        frames = [self.moving_on_slow_link(viewer, revision) for revision in (4, 5)]
+        self.assertEqual([head["kind"] for head in frames], [video, video])
+        self.assertEqual([head["flags"] for head in frames], [key, 0])
+        viewer.send('{"video":true}')
+        self.assertEqual(self.moving_on_slow_link(viewer, 6)["flags"], key)
+        self.assertEqual(self.moving_on_slow_link(viewer, 7)["flags"], 0)
+        other = self.moving_on_slow_link(viewer, 8, size=(48, 64))
+        self.assertEqual((other["flags"], other["width"], other["height"]), (key, 48, 64))
+        self.show(viewer, 9, rests=True)
+        head, picture = self.frame(viewer)
+        self.assertEqual((head["kind"], picture[:4]), (png, b"\x89PNG"))
+        viewer.send('{"video":false}')
+        self.shown(viewer, head["number"])
+        self.assertEqual(self.moving_on_slow_link(viewer, 10)["kind"], jpeg)
+
+    def test_a_fast_link_gets_no_video(self):
+        viewer = self.join()
+        viewer.send('{"video":true}')
+        for revision in range(1, 6):
+            self.show(viewer, revision)
+            head, _ = self.frame(viewer)
+            self.assertEqual(head["kind"], 1)
+            self.shown(viewer, head["number"])
 
     def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
         viewer = self.join()

@@ -123,7 +123,7 @@ TEST_CASE("the first frame of a video is a key, the others are not, and each is 
     }
 }
 
-TEST_CASE("a picture of another size is a key, also for who joins then; sizes may be odd") {
+TEST_CASE("a picture of another size, also an odd one, is a key that needs no other frame") {
     VideoEncoder encoder;
     Decoder decoder;
     struct Size {

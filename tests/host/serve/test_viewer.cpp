@@ -110,25 +110,40 @@ TEST_CASE("a viewer takes each frame once, and no third while two are unacknowle
 }
 
 TEST_CASE("only the plain message that a frame was shown is the server's") {
-    CHECK(shown_number("{\"shown\":123}") == 123U);
-    CHECK(shown_number(" { \"shown\" : 4294967295 } ") == 4294967295U);
-    for (const char* other : {"", "{}", "{\"shown\":-1}", "{\"shown\":4294967296}", "[\"shown\"]",
-                              "{\"shown\":\"1\"}", "{\"shown\":1.5}", "{\"shown\":1",
-                              "{\"shown\":1,\"id\":2}", "{\"do\":\"\\\"shown\\\"\"}"}) {
+    CHECK(shown_frame("{\"shown\":123}")->number == 123U);
+    CHECK(shown_frame("{\"shown\":123}")->since_arrival_ms == 0);
+    CHECK(shown_frame("{\"shown\":123,\"after_ms\":7.5}")->since_arrival_ms == 7.5);
+    CHECK(shown_frame(" { \"shown\" : 4294967295 } ")->number == 4294967295U);
+    for (const char* other :
+         {"", "{}", "{\"shown\":-1}", "{\"shown\":4294967296}", "[\"shown\"]", "{\"shown\":\"1\"}",
+          "{\"shown\":1.5}", "{\"shown\":1", "{\"shown\":1,\"id\":2}",
+          "{\"shown\":1,\"after_ms\":-1}", "{\"shown\":1,\"after_ms\":\"1\"}",
+          "{\"shown\":1,\"after_ms\":1,\"id\":2}", "{\"after_ms\":1}",
+          "{\"do\":\"\\\"shown\\\"\"}"}) {
         CAPTURE(other);
-        CHECK_FALSE(shown_number(other));
+        CHECK_FALSE(shown_frame(other));
     }
 }
 
-TEST_CASE("only the plain message about depths is the server's") {
+TEST_CASE("only the plain messages about depths and video are the server's") {
     CHECK(wanted_depths("{\"depths\":true}") == true);
     CHECK(wanted_depths(" { \"depths\" : false } ") == false);
-    for (const char* other :
-         {"", "{}", "{\"depths\":1}", "{\"depths\":null}", "[\"depths\"]", "{\"depths\":true",
-          "{\"depths\":true,\"id\":2}", "{\"do\":\"\\\"depths\\\"\"}"}) {
-        CAPTURE(other);
-        CHECK_FALSE(wanted_depths(other));
+    CHECK(wanted_video("{\"video\":true}") == true);
+    CHECK(wanted_video("{\"video\":false}") == false);
+    for (const std::string key : {"depths", "video"}) {
+        for (const std::string other :
+             {"", "{}", "{\"KEY\":1}", "{\"KEY\":null}", "[\"KEY\"]", "{\"KEY\":true",
+              "{\"KEY\":true,\"id\":2}", "{\"do\":\"\\\"KEY\\\"\"}"}) {
+            std::string text = other;
+            if (const auto at = text.find("KEY"); at != std::string::npos) {
+                text.replace(at, 3, key);
+            }
+            CAPTURE(text);
+            CHECK_FALSE(wanted_depths(text));
+            CHECK_FALSE(wanted_video(text));
+        }
     }
+    CHECK_FALSE(wanted_video("{\"depths\":true}"));
 }
 
 TEST_CASE("events wake the session once, until it takes them all") {

@@ -215,6 +215,14 @@ export class Connection {
   }
 
   /**
+   * Asks for moving pictures as video if the link is slow, beginning with a key frame; or for none.
+   * @param {boolean} wanted
+   */
+  wantVideo(wanted) {
+    this.send_({video: wanted});
+  }
+
+  /**
    * @private
    * @param {string} line
    * @param {{quiet?: boolean}} options
@@ -309,11 +317,12 @@ export class Connection {
    */
   takeFrame_(data) {
     const {header, picture, depths} = parseFrame(data);
-    const from = this.socket_;
+    const from = this.socket_, arrived = this.heardAt_;
     const shown = () => {
       // A later connection numbers its own frames.
       if (from === this.socket_) {
-        this.send_({shown: header.number});
+        const after_ms = Math.round((performance.now() - arrived) * 10) / 10;
+        this.send_({shown: header.number, after_ms});
       }
     };
     this.emit_('frame', {header, picture, depths, shown});

@@ -5,6 +5,11 @@ import {ANSWER_HEADER_BYTES, FRAME_FLAG, FRAME_HEADER_BYTES, PICTURE_KIND, readA
 
 /** @typedef {import('./types.js').FrameHeader} FrameHeader */
 
+/** @typedef {keyof typeof PICTURE_KIND} PictureKind */
+/** @type {Map<number, PictureKind>} */
+const KINDS = new Map([[PICTURE_KIND.jpeg, 'jpeg'], [PICTURE_KIND.png, 'png'],
+  [PICTURE_KIND.vp8, 'vp8']]);
+
 /**
  * The magic number in the first four bytes of a message; 0 if the message is shorter.
  * @param {ArrayBuffer} message
@@ -31,14 +36,16 @@ export function parseFrame(message) {
     throw new Error(`frame: ${message.byteLength} bytes, its picture and depths end at ${end}. `
       + 'Load the page again; it may be older than the server.');
   }
-  if (kind !== PICTURE_KIND.jpeg && kind !== PICTURE_KIND.png) {
-    throw new Error(`frame: kind ${kind} is neither JPEG (1) nor PNG (2)`);
+  const name = KINDS.get(kind);
+  if (!name) {
+    throw new Error(`frame: kind ${kind} is none of JPEG (1), PNG (2) and VP8 (3)`);
   }
   const header = {
     ...rest,
-    kind: /** @type {'jpeg' | 'png'} */ (kind === PICTURE_KIND.png ? 'png' : 'jpeg'),
+    kind: name,
     rests: (flags & FRAME_FLAG.rests) !== 0,
     last: (flags & FRAME_FLAG.last) !== 0,
+    key: (flags & FRAME_FLAG.key) !== 0,
     fullColor: (flags & FRAME_FLAG.full_color) !== 0,
     digest: digest === 0n ? '' : digest.toString(16).padStart(16, '0'),
   };

@@ -34,7 +34,8 @@
  * A frame's header as parseFrame returns it. The digest has 16 hexadecimal digits, '' while moving.
  * @typedef {Omit<ReturnType<import('./vocabulary.js').readFrameHeader>, 'kind' | 'flags' | 'digest'
  *   | 'picture_bytes' | 'depth_bytes'>
- *   & {kind: 'jpeg' | 'png', rests: boolean, last: boolean, fullColor: boolean, digest: string}} FrameHeader
+ *   & {kind: 'jpeg' | 'png' | 'vp8', rests: boolean, last: boolean, key: boolean,
+ *     fullColor: boolean, digest: string}} FrameHeader
  */
 
 /** @typedef {{color: string, text: string}} LegendLine  color: of the square, '' for none. */

@@ -76,9 +76,9 @@ export const LIMITS = Object.freeze({
 
 /** @typedef {'best' | 'sse4' | 'avx2' | 'avx512'} VectorTarget */
 
-export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2});
+export const PICTURE_KIND = Object.freeze({jpeg: 1, png: 2, vp8: 3});
 
-export const FRAME_FLAG = Object.freeze({rests: 1, last: 2, full_color: 4});
+export const FRAME_FLAG = Object.freeze({rests: 1, last: 2, full_color: 4, key: 8});
 
 export const FRAME_HEADER_BYTES = 56;
 export const FRAME_HEADER_MAGIC = 0x46523550;

@@ -39,6 +39,8 @@ export function noHeadsetFigures() {
  * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
  * @property {import('./warp.js').WarpFigures | null} warp
  * @property {HeadsetFigures} headset
+ * @property {import('./video.js').VideoFigures | null} video
+ * @property {string} kind              Encoding of the last frame: jpeg, png or vp8.
  * @property {import('../link/vocabulary.js').State | null} state
  */
 
@@ -58,6 +60,7 @@ export function measure(connection, store, picture) {
   const metrics = {frames: 0, revision: 0, rests: false, last: false, samples: 0, digest: '',
     latency_ms: [], frame_times_ms: [], warp: picture.warp?.figures ?? null,
     headset: noHeadsetFigures(),
+    video: picture.video?.figures ?? null, kind: '',
     get state() { return store.state; }};
 
   const keep = (/** @type {any[]} */ list, /** @type {any} */ value) => {
@@ -89,6 +92,7 @@ export function measure(connection, store, picture) {
     metrics.rests = header.rests;
     metrics.last = header.last;
     metrics.samples = header.samples;
+    metrics.kind = header.kind;
     metrics.digest = header.rests ? header.digest : metrics.digest;
     keep(metrics.frame_times_ms, at);
     keep(shown, {revision: header.revision, at});

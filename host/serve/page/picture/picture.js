@@ -13,13 +13,18 @@ import {paintLegend, paintSvg} from './svg_paint.js';
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
 /** @typedef {import('./stereo.js').Stereo} Stereo */
+/**
+ * A frame, and its picture if it is a video frame.
+ * @typedef {{frame: Frame, video: Promise<VideoFrame | null> | null}} Waiting
+ */
 
 const CAMERAS_KEPT = 64;
 const MOST_MARGIN_PX = 4;
 
 /**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
- * are dropped and acknowledged, because the server counts the frames in flight.
+ * are dropped and acknowledged, because the server counts the frames in flight. Video frames are
+ * decoded when they arrive, each of them, and acknowledged after that.
  *
  * Coordinates: *pixels* are pixels of the picture, as in commands (`size`). *Places* are CSS pixels
  * from the upper left corner of the picture, the units of `overlay`. A picture of both eyes side by
@@ -60,11 +65,13 @@ export class PictureView {
     this.drawn_ = null;
     /** Shows frames from newer viewpoints, if set. @type {import('./warp.js').Warp | null} */
     this.warp = null;
+    /** Decodes video frames, if set. @type {import('./video.js').Video | null} */
+    this.video = null;
     /** @type {FrameHeader | null} */
     this.header = null;
     /** @private @type {{revision: number, camera: CameraState, stereo: Stereo}[]} */
     this.cameras_ = [];
-    /** @private @type {Frame | null} */
+    /** @private @type {Waiting | null} */
     this.next_ = null;
     /** @private */
     this.decoding_ = false;
@@ -80,6 +87,7 @@ export class PictureView {
     connection.on('frame', frame => this.take_(frame));
     // A lost connection drops its frames.
     connection.on('lost', () => {
+      this.drop_(this.next_);
       this.next_ = null;
       this.cameras_ = [];
       this.leastRevision_ = 0;  // A restarted server begins again at 1.
@@ -246,10 +254,26 @@ export class PictureView {
     if (frame.header.pose !== 0) {
       return;  // Of a headset.
     }
-    this.next_?.shown();
-    this.next_ = frame;
+    this.drop_(this.next_);
+    const video = frame.header.kind === 'vp8' ? this.video?.decode(frame) ?? null : null;
+    this.next_ = {frame, video};
     if (!this.decoding_) {
       void this.show_();
+    }
+  }
+
+  /**
+   * @private
+   * @param {Waiting | null} waiting
+   */
+  drop_(waiting) {
+    if (waiting?.video) {
+      void waiting.video.then(picture => {
+        picture?.close();
+        waiting.frame.shown();
+      });
+    } else {
+      waiting?.frame.shown();
     }
   }
 
@@ -257,10 +281,10 @@ export class PictureView {
   async show_() {
     this.decoding_ = true;
     while (this.next_) {
-      const frame = this.next_;
+      const {frame, video} = this.next_;
       this.next_ = null;
       try {
-        await this.decode_(frame);
+        await this.decode_(frame, video);
       } catch (error) {
         // The next frame may be intact, so the loop continues.
         const why = error instanceof Error ? error.message : String(error);
@@ -275,13 +299,16 @@ export class PictureView {
   /**
    * @private
    * @param {Frame} frame
+   * @param {Waiting['video']} video
    */
-  async decode_(frame) {
-    const {header, picture} = frame;
-    const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
+  async decode_(frame, video) {
+    const {header} = frame;
     const [bitmap, leans] = await Promise.all([
-      createImageBitmap(new Blob([/** @type {any} */ (picture)], {type})),
+      header.kind === 'vp8' ? bitmapOf(await video) : bitmapOfFile(frame),
       this.warp?.unpack(frame) ?? null]);
+    if (!bitmap) {
+      return;
+    }
     await new Promise(requestAnimationFrame);
     if (header.revision >= this.leastRevision_) {
       this.draw_(header, bitmap, leans);
@@ -404,5 +431,20 @@ export class PictureView {
     for (const act of this.changeActs_) {
       act();
     }
+  }
+}
+
+/** @param {Frame} frame */
+function bitmapOfFile({header, picture}) {
+  const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
+  return createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
+}
+
+/** @param {VideoFrame | null} picture  Is closed. */
+async function bitmapOf(picture) {
+  try {
+    return picture && await createImageBitmap(picture);
+  } finally {
+    picture?.close();
   }
 }

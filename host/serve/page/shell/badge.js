@@ -59,8 +59,9 @@ export function createBadge(app) {
 }
 
 /** @param {FrameHeader} header */
-function warpedText({moved_mm}) {
-  return moved_mm > 0 ? `warped, simplified within ${millimeters(moved_mm)} mm` : 'warped';
+function warpedText({moved_mm, ...codec}) {
+  return moved_mm > 0 ? `warped, simplified within ${millimeters(moved_mm)} mm`
+    : codec.kind === 'png' ? 'warped' : `warped, ${codecText(codec)}`;
 }
 
 /** @param {FrameHeader} header */
@@ -70,17 +71,25 @@ function qualityText({kind, quality, samples, moved_mm, fullColor}) {
     return kind === 'png' ? within : `moving, ${within}`;
   }
   return kind === 'png' ? `lossless${samples > 1 ? `, ${samples} samples` : ''}`
-    : `moving, JPEG ${quality}${fullColor ? ', full color' : ''}`;
+    : `moving, ${codecText({kind, quality, fullColor})}`;
+}
+
+/** @param {Pick<FrameHeader, 'kind' | 'quality' | 'fullColor'>} header */
+function codecText({kind, quality, fullColor}) {
+  return kind === 'vp8' ? 'VP8 video' : `JPEG ${quality}${fullColor ? ', full color' : ''}`;
 }
 
 /** @param {FrameHeader} header */
-function qualityTitle({kind, quality, samples, moved_mm}) {
-  return (kind === 'png'
-    ? 'Every pixel is exactly as rendered'
-      + (samples > 1 ? `, averaged over ${samples} samples` : '')
-    : `Compressed during interaction (quality ${quality} of 100), lossless at rest`)
-    + (moved_mm > 0 ? '. Surfaces have fewer triangles; no point is farther from the exact '
-      + 'surface. Small parts may be missing. The command detail sets this.' : '');
+function qualityTitle({kind, quality, samples, moved_mm, fullColor}) {
+  const codec = {
+    png: 'Every pixel is exactly as rendered'
+      + (samples > 1 ? `, averaged over ${samples} samples` : ''),
+    jpeg: `Compressed during interaction (quality ${quality} of 100, `
+      + `${fullColor ? 'with all colors' : '2 x 2 pixels share a color'}), lossless at rest`,
+    vp8: 'Compressed as a video during interaction, because the link is slow. Lossless at rest',
+  };
+  return codec[kind] + (moved_mm > 0 ? '. Surfaces have fewer triangles; no point is farther from '
+    + 'the exact surface. Small parts may be missing. The command detail sets this.' : '');
 }
 
 /**
