@@ -57,7 +57,7 @@ class Loop {
         PictureKind kind = PictureKind::jpeg;
         std::string_view bytes;
         int quality = 0;
-        int flags = 0;  ///< Of FrameFlag.
+        int flags = 0;  ///< Bits of FrameFlag.
     };
 
     // server_loop.cpp

@@ -1,20 +1,18 @@
 #include <doctest/doctest.h>
 #include <png.h>
-#include <turbojpeg.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
-#include <vector>
 
 #include "host/serve/server/encode.hpp"
+#include "tests/host/serve/moving_pictures.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
 
 constexpr int width_px = 61, height_px = 43;  // No multiple of a JPEG's blocks.
 
-using Pixels = std::vector<std::uint32_t>;
+using test::Pixels;
 
 /// Every byte of the pixels varies, and quickly.
 Pixels noise() {
@@ -51,27 +49,12 @@ Pixels decoded_png(const std::string& bytes) {
 }
 
 Pixels decoded_jpeg(const std::string& bytes) {
-    tjhandle decoder = tjInitDecompress();
-    Pixels pixels(width_px * height_px);
-    const int failed = tjDecompress2(decoder, reinterpret_cast<const unsigned char*>(bytes.data()),
-                                     bytes.size(), reinterpret_cast<unsigned char*>(pixels.data()),
-                                     width_px, 0, height_px, TJPF_RGBX, 0);
-    tjDestroy(decoder);
-    REQUIRE(failed == 0);
-    return pixels;
+    return test::decoded_jpeg(bytes, width_px, height_px);
 }
 
 /// Root of the mean squared difference of red, green and blue.
 double difference(const Pixels& a, const Pixels& b) {
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        for (const unsigned shift : {0U, 8U, 16U}) {
-            const int d =
-                static_cast<int>(a[i] >> shift & 0xffU) - static_cast<int>(b[i] >> shift & 0xffU);
-            sum += d * d;
-        }
-    }
-    return std::sqrt(sum / static_cast<double>(a.size() * 3));
+    return std::sqrt(test::mean_square(a, b));
 }
 
 }  // namespace

@@ -26,13 +26,13 @@ struct Outcome {
     JpegQuality quality;
     double scale = 0;
     bool is_video = false;
-    std::size_t bytes = 0;  ///< Of the last frame.
+    std::size_t bytes = 0;  ///< Size of the last frame.
 };
 
 /// A viewer, and what moves on its screen.
 struct Screen {
     bool takes_video = false;
-    double display_ms = 0;            ///< To decode and display a frame.
+    double display_ms = 0;            ///< Time to decode and display a frame.
     double video_bytes_needed = 1e9;  ///< At the best quality of the encoder.
 };
 

@@ -1,18 +1,17 @@
 #include <doctest/doctest.h>
-#include <vpx/vp8dx.h>
-#include <vpx/vpx_decoder.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include "host/serve/video/video_encoder.hpp"
+#include "tests/host/serve/moving_pictures.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
 
-using Pixels = std::vector<std::uint32_t>;
+using test::Pixels, test::psnr;
+using Decoder = test::VideoDecoder;
 constexpr std::size_t plenty = 1'000'000;
 
 /// A shaded ball before a background, moved to the right by `step` pixels.
@@ -44,69 +43,6 @@ Pixels waves(int width, int height, double moved) {
         }
     }
     return pixels;
-}
-
-/// libvpx's decoder. Pixels come back by the inverse of BT.601.
-class Decoder {
-  public:
-    Decoder() { REQUIRE(vpx_codec_dec_init(&codec_, vpx_codec_vp8_dx(), nullptr, 0) == 0); }
-    ~Decoder() { vpx_codec_destroy(&codec_); }
-    Decoder(const Decoder&) = delete;
-    Decoder& operator=(const Decoder&) = delete;
-
-    /// The picture, at once; empty if it cannot be decoded.
-    Pixels decode(const std::string& bytes) {
-        if (vpx_codec_decode(&codec_, reinterpret_cast<const std::uint8_t*>(bytes.data()),
-                             static_cast<unsigned>(bytes.size()), nullptr, 0) != 0) {
-            return {};
-        }
-        vpx_codec_iter_t next = nullptr;
-        const vpx_image_t* image = vpx_codec_get_frame(&codec_, &next);
-        Pixels pixels;
-        if (image != nullptr) {
-            width = static_cast<int>(image->d_w);
-            height = static_cast<int>(image->d_h);
-            for (int y = 0; y < height; ++y) {
-                for (int x = 0; x < width; ++x) {
-                    pixels.push_back(pixel_of(*image, x, y));
-                }
-            }
-        }
-        return pixels;
-    }
-
-    int width = 0, height = 0;
-
-  private:
-    static std::uint32_t pixel_of(const vpx_image_t& image, int x, int y) {
-        const auto at = [&](int plane, int column, int row) {
-            return static_cast<double>(image.planes[plane][row * image.stride[plane] + column]);
-        };
-        const double brightness = 1.164 * (at(0, x, y) - 16);
-        const double blue = at(1, x / 2, y / 2) - 128, red = at(2, x / 2, y / 2) - 128;
-        const auto byte = [](double value) {
-            return static_cast<std::uint32_t>(std::clamp(std::round(value), 0.0, 255.0));
-        };
-        return 0xff000000U | byte(brightness + 1.596 * red) |
-               byte(brightness - 0.392 * blue - 0.813 * red) << 8U |
-               byte(brightness + 2.017 * blue) << 16U;
-    }
-
-    vpx_codec_ctx_t codec_{};
-};
-
-/// Peak signal-to-noise ratio of red, green and blue, in dB.
-double psnr(const Pixels& a, const Pixels& b) {
-    REQUIRE(a.size() == b.size());
-    double sum = 0;
-    for (std::size_t i = 0; i < a.size(); ++i) {
-        for (const unsigned shift : {0U, 8U, 16U}) {
-            const int d =
-                static_cast<int>(a[i] >> shift & 0xffU) - static_cast<int>(b[i] >> shift & 0xffU);
-            sum += d * d;
-        }
-    }
-    return 10 * std::log10(255.0 * 255.0 / (sum / static_cast<double>(a.size() * 3) + 1e-9));
 }
 
 }  // namespace

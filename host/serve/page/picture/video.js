@@ -128,7 +128,7 @@ export class Video {
     decoder.configure(CONFIG);
   }
 
-  /** Nobody waits for a picture any more. @private */
+  /** Gives null to whoever waits for a picture. @private */
   close_() {
     const decoder = this.decoder_, waiting = [...this.waiting_.values()];
     this.decoder_ = null;

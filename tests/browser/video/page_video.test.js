@@ -2,9 +2,9 @@
 import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
 
-import {PictureView} from '../../host/serve/page/picture/picture.js';
-import {Video} from '../../host/serve/page/picture/video.js';
-import {Store} from '../../host/serve/page/state/store.js';
+import {PictureView} from '../../../host/serve/page/picture/picture.js';
+import {Video} from '../../../host/serve/page/picture/video.js';
+import {Store} from '../../../host/serve/page/state/store.js';
 
 /** The part of the browser's decoder that the page uses. */
 class HandDecoder {
@@ -48,7 +48,9 @@ class HandDecoder {
   }
 }
 Object.assign(globalThis, {VideoDecoder: HandDecoder, location: {href: 'http://localhost/'},
-  EncodedVideoChunk: class { constructor(/** @type {any} */ init) { Object.assign(this, init); } }});
+  EncodedVideoChunk: class {
+    constructor(/** @type {any} */ init) { Object.assign(this, init); }
+  }});
 
 /** Promises that are settled have acted. */
 const settled = () => new Promise(resolve => setImmediate(resolve));

@@ -4,9 +4,9 @@ import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import path from 'node:path';
 import test, { after as afterAll } from 'node:test';
-import { browser, openPage, server, shoot, useServer } from './harness.js';
+import { browser, openPage, server, shoot, useServer } from '../harness.js';
 import { slowLink } from './slow_link.js';
-import { rawSocket, say, settled, state } from './steps.js';
+import { rawSocket, say, settled, state } from '../steps.js';
 
 const FAST = 1e9, SLOW = 3e6 / 8;  // Bytes per second.
 const VIEWS = 10, STEP_DEG = 2.4;
