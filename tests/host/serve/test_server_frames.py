@@ -110,7 +110,7 @@ class Frames(Case):
         head, _ = self.frame(viewer)
         end = time.monotonic() + 0.2  # 3 kB in this time are 15 kB/s.
         while time.monotonic() < end:
-            self.ask(viewer, wants=0)
+            self.server.request("/icon.svg")
         self.shown(viewer, head["number"])
         return head
 

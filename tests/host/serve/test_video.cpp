@@ -65,7 +65,8 @@ TEST_CASE("a picture of another size, also an odd one, is a key that needs no ot
     struct Size {
         int width, height;
     };
-    for (const auto [width, height] : {Size{64, 48}, {61, 43}, {1, 1}, {2, 97}, {64, 48}}) {
+    for (const Size size : {Size{64, 48}, {61, 43}, {1, 1}, {2, 97}, {64, 48}}) {
+        const int width = size.width, height = size.height;
         CAPTURE(width);
         for (const bool is_first : {true, false}) {
             const Pixels picture = ball(width, height, is_first ? 0 : 2);
