@@ -169,7 +169,7 @@ test('the orientation of a phone turns the view; a touch makes it the middle', a
   await orient(40, 10, 0);
   const most = await turnedTo(phone.page, -6, -4);
   assert.ok(Math.abs(most.right) < 12 && Math.abs(most.up) < 9, 'a few degrees at most');
-  await phone.page.getByTestId('stage').dispatchEvent('pointerdown', { pointerType: 'touch' });
+  await phone.page.getByTestId('stage').tap();
   await orient(40, 12, 1);
   assert.equal((await returned(phone.page)).digest, before.digest);
   await phone.close();

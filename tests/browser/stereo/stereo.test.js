@@ -155,7 +155,7 @@ test('the page and the server have the same eyes', async () => {
     return least + (most - least) * random / 2147483648;
   };
   let hits = 0;
-  for (let i = 0; i < 24; i++) {
+  for (let i = 0; i < 12; i++) {
     const eyes = i % 3 === 0 ? '' :
       ` separation=${next(5, 90).toFixed(1)} convergence=${next(300, 1500).toFixed(1)}`;
     const mode = i % 2 === 0 ? 'sbs' : 'cross';
@@ -166,7 +166,7 @@ test('the page and the server have the same eyes', async () => {
       `pan=${next(-20, 20).toFixed(2)},${next(-20, 20).toFixed(2)}`);
     await page.waitForFunction(wanted => globalThis.pxpl5.state.revision >= wanted, revision);
     const { size } = await state(page);
-    for (let k = 0; k < 12; k++) {
+    for (let k = 0; k < 9; k++) {
       const pixel = { x: Math.floor(next(0, 2 * size[0])), y: Math.floor(next(0, size[1])) };
       const { result } = await say(raw, `pick ${pixel.x} ${pixel.y}`);
       if (!result.hit) continue;
@@ -187,7 +187,7 @@ test('the page and the server have the same eyes', async () => {
       assert.ok(off < CAMERA_PX, `${mode}${eyes}: ${JSON.stringify([pixel, place])}`);
     }
   }
-  assert.ok(hits > 40, `${hits} points`);
+  assert.ok(hits > 12, `${hits} points`);
 });
 
 /** The pixels of the picture in a screenshot of the page, beside those of the canvas. */
@@ -224,9 +224,8 @@ function compareScreen(page, screenshot) {
 }
 
 test('alternate rows are shown pixel by pixel, on screens of any resolution', async () => {
-  await say(raw, 'stereo rows separation=60');
-  for (const [scale, width, height] of [[1, 1203, 701], [1.25, 1000, 601], [1.5, 901, 603],
-                                        [2, 803, 555]]) {
+  await stereo(page, 'rows');  // A page that opens has a size for one picture.
+  for (const [scale, width, height] of [[1, 1203, 701], [1.25, 1000, 601], [1.5, 901, 603]]) {
     const other = await openPage(browser, server.url,
                                  { viewport: { width, height }, deviceScaleFactor: scale });
     await other.page.evaluate(() => {
@@ -234,8 +233,7 @@ test('alternate rows are shown pixel by pixel, on screens of any resolution', as
         each.style.display = 'none';
       }
     });
-    await stereo(other.page, 'rows separation=55');
-    await stereo(other.page, 'rows separation=60');
+    await stereo(other.page, `rows separation=${50 + scale}`);
     const { differing, rows, at } =
       await compareScreen(other.page, await other.page.screenshot());
     assert.equal(differing, 0, `${scale}: ${differing} pixels differ at ${JSON.stringify(at)}`);
