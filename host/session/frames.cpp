@@ -66,12 +66,9 @@ Stage Frames::stage(const Scene& scene) const {
     const glm::dvec3 last(held.nx - 1, held.ny - 1, last_place(held));
     const bool is_simplified = scene.detail.detail > 0 && simplification_refusal().empty();
     const Subject subject = subject_of(last, held.voxel_to_patient);
-    return {scene_.surfaces,
-            subject,
-            held.voxel_to_patient,
-            !held.gap_slabs.empty(),
-            is_simplified ? scene.detail.detail : 0,
-            cameras_of(scene, subject)};
+    const int detail = is_simplified ? scene.detail.detail : 0;
+    return {scene_.surfaces,         subject, held.voxel_to_patient,
+            !held.gap_slabs.empty(), detail,  cameras_of(scene, subject)};
 }
 
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,

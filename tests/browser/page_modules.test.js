@@ -122,8 +122,8 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   const {header, picture, depths} = parseFrame(view.buffer);
   assert.deepEqual(header, {number: 7, revision: 300, width: 640, height: 480, kind: 'png',
     quality: 90, samples: 16, rests: true, last: true, key: false, fullColor: false,
-    machine_ms: 12.5, digest: 'abcdef0123456789', moved_mm: 0.75, pose: 9, views: 2, layers: 1, opacity: 6,
-    reserved: 0});
+    machine_ms: 12.5, digest: 'abcdef0123456789', moved_mm: 0.75, pose: 9, views: 2, layers: 1,
+    opacity: 6, reserved: 0});
   assert.deepEqual([picture, ...depths].map(each => [...each]), [[1, 2, 3], [4, 5], [6]]);
   assert.throws(() => parseFrame(new ArrayBuffer(55)), /55 bytes, its header has 56/);
   assert.throws(() => parseFrame(view.buffer.slice(0, 69)), /69 bytes, .* end at 70/);

@@ -1,8 +1,8 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
-import {LIMITS} from '../link/vocabulary.js';
-import {drawPair} from './compose.js';
+import {bitmapOf, bitmapOfFile, paintFrame} from './bitmaps.js';
 import {eyesOf} from './eyes.js';
+import {placed} from './layout.js';
 import {withTexts} from './png_text.js';
 import {composedSize, partsOf, stereoOf} from './stereo.js';
 import {paintLegend, paintSvg} from './svg_paint.js';
@@ -19,7 +19,6 @@ import {paintLegend, paintSvg} from './svg_paint.js';
  */
 
 const CAMERAS_KEPT = 64;
-const MOST_MARGIN_PX = 4;
 
 /**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
@@ -334,7 +333,7 @@ export class PictureView {
     this.header = header;
     this.drawn_ = camera;
     if (this.warp?.take(header, camera, stereo, bitmap, leans) ?? true) {
-      this.paint_(header, stereo.mode, bitmap);
+      paintFrame(this.context_, header, stereo.mode, bitmap);
     }
     bitmap.close();
     const at = performance.now();
@@ -343,29 +342,6 @@ export class PictureView {
     }
     if (!this.warp?.figures.warped) {
       this.lookFrom(null);
-    }
-  }
-
-  /**
-   * @private
-   * @param {FrameHeader} header
-   * @param {string} mode  Of stereo.
-   * @param {ImageBitmap} bitmap
-   */
-  paint_({width, height, views, layers, opacity}, mode, bitmap) {
-    if (views === 2) {
-      drawPair(this.context_, bitmap, mode);
-      return;
-    }
-    if (this.canvas_.width !== width || this.canvas_.height !== height) {
-      this.canvas_.width = width;
-      this.canvas_.height = height;
-    }
-    this.context_.drawImage(bitmap, 0, 0);
-    if (layers > 1) {
-      this.context_.globalAlpha = opacity / LIMITS.full_opacity;
-      this.context_.drawImage(bitmap, 0, -height);
-      this.context_.globalAlpha = 1;
     }
   }
 
@@ -403,27 +379,15 @@ export class PictureView {
    * @private
    */
   layOut_() {
-    const [width, height] = this.pixels_();
-    const box = this.stage.getBoundingClientRect();
-    const fit = Math.min(box.width / width, box.height / height), sharp = 1 / devicePixelRatio;
     const areRows = this.store_.state?.stereo === 'rows';
-    this.isCut = areRows && fit < sharp;
-    // A picture that was made for this panel is shown pixel by pixel, with a narrow margin.
-    const scale = areRows || fit >= sharp
-      && (fit - sharp) * Math.min(width, height) < MOST_MARGIN_PX ? sharp : fit;
-    this.width = width * scale;
-    this.height = height * scale;
-    // In the middle of the panel, a row may lie between two rows of the screen.
-    const offset = (/** @type {number} */ first, /** @type {number} */ space) =>
-      areRows ? `${Math.round((first + space / 2) * devicePixelRatio) / devicePixelRatio
-        - first - space / 2}px` : '';
-    const left = offset(box.left, box.width - this.width);
-    const top = offset(box.top, box.height - this.height);
+    const {width, height, left, top, isCut} = placed(this.stage.getBoundingClientRect(),
+      this.pixels_(), areRows);
+    [this.width, this.height, this.isCut] = [width, height, isCut];
     for (const {style} of [this.canvas_, byId('warp'), this.overlay]) {
-      Object.assign(style, {width: `${this.width}px`, height: `${this.height}px`, left, top});
+      Object.assign(style, {width: `${width}px`, height: `${height}px`, left, top});
     }
     this.stage.classList.toggle('rows', areRows);
-    update(this.overlay, {viewBox: `0 0 ${this.width || 1} ${this.height || 1}`});
+    update(this.overlay, {viewBox: `0 0 ${width || 1} ${height || 1}`});
   }
 
   /** @private */
@@ -431,20 +395,5 @@ export class PictureView {
     for (const act of this.changeActs_) {
       act();
     }
-  }
-}
-
-/** @param {Frame} frame */
-function bitmapOfFile({header, picture}) {
-  const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-  return createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
-}
-
-/** @param {VideoFrame | null} picture  Is closed. */
-async function bitmapOf(picture) {
-  try {
-    return picture && await createImageBitmap(picture);
-  } finally {
-    picture?.close();
   }
 }

@@ -8,7 +8,7 @@
 
 #include "host/serve/depths/lean_packing.hpp"
 #include "isa/contract/depth.hpp"
-#include "tests/host/serve/depth_pictures.hpp"
+#include "tests/host/serve/depths/depth_pictures.hpp"
 #include "tests/random_seed.hpp"
 
 namespace pxpl5::host::serve {

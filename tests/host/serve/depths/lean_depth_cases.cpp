@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/serve/depths/lean_packing.hpp"
-#include "tests/host/serve/depth_pictures.hpp"
+#include "tests/host/serve/depths/depth_pictures.hpp"
 
 int main(int count, char** words) {
     using namespace pxpl5::host::serve;
