@@ -133,7 +133,7 @@ function similarity(page, ...screenshots) {
 
 test('while the machine is late, both eyes follow the pointer', async t => {
   for (const mode of MODES) {
-    await after(page, () => say(raw, `stereo ${mode}`));
+    await after(page, () => say(raw, `stereo ${mode} separation=120`));
     await after(page, () => say(raw, 'view anterior fit=yes'));
     const stage = await middleOf(byId('stage'));
     const at = { x: stage.x - 100, y: stage.y };
