@@ -249,8 +249,8 @@ test('the frame of a lost connection is not acknowledged to the next', () => {
 function pictureIn(connection, decode) {
   const drawn = {count: 0};
   const element = {style: {}, width: 1, height: 1, getAttribute: () => '', setAttribute() {},
-    getBoundingClientRect: () => ({width: 100, height: 100}),
-    getContext: () => ({drawImage: () => void ++drawn.count, clearRect() {}})};
+    getBoundingClientRect: () => ({width: 100, height: 100}), classList: {toggle() {}},
+    getContext: () => ({canvas: element, drawImage: () => void ++drawn.count, clearRect() {}})};
   Object.assign(globalThis, {devicePixelRatio: 1, document: {getElementById: () => element},
     ResizeObserver: class { observe() {} }, createImageBitmap: decode,
     requestAnimationFrame: setImmediate});

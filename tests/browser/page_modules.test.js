@@ -131,6 +131,7 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   assert.throws(() => parseFrame(view.buffer), /the depths of picture 2 end after byte 70/);
   view.setUint8(65, 0);  // A third picture, of which one byte is left.
   assert.throws(() => parseFrame(view.buffer), /the depths of picture 3 end after byte 70/);
+  view.setUint8(65, 1);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);
   view.setUint8(16, 3);

@@ -155,7 +155,7 @@ test('only the newest frame is shown, but each is decoded, and acknowledged afte
   const {connection, video} = connected();
   const drawn = /** @type {number[]} */ ([]), acknowledged = /** @type {number[]} */ ([]);
   const element = {style: {}, width: 1, height: 1, getAttribute: () => '', setAttribute() {},
-    getBoundingClientRect: () => ({width: 100, height: 100}), getContext: () => ({
+    getBoundingClientRect: () => ({width: 100, height: 100}), getContext: () => ({canvas: element,
       drawImage: (/** @type {any} */ bitmap) => drawn.push(bitmap.shows), clearRect() {}})};
   Object.assign(globalThis, {devicePixelRatio: 1, document: {getElementById: () => element},
     ResizeObserver: class { observe() {} }, requestAnimationFrame: setImmediate,

@@ -250,7 +250,7 @@ export class PictureView {
    * @param {Frame} frame
    */
   take_(frame) {
-    if (frame.header.pose !== 0) {
+    if (frame.header.pose > 0) {
       return;  // Of a headset.
     }
     this.drop_(this.next_);
