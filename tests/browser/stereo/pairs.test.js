@@ -1,10 +1,9 @@
 // Pairs of pictures with depths: the page composes them exactly at rest, and warps them on the way.
 import assert from 'node:assert/strict';
-import { readFileSync } from 'node:fs';
 import test from 'node:test';
-import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
-import { treeOf } from '../processes.js';
+import { browser, byId, openPage, page, server, usePage } from '../harness.js';
 import { after, middleOf, rawSocket, say, settled } from '../steps.js';
+import { pixelsOf, warpedAndLate } from '../warp/screen.js';
 import { keepFrames, loadModules } from '../warp/warping.js';
 
 const MODES = ['anaglyph', 'sbs', 'cross', 'rows'];
@@ -19,15 +18,6 @@ usePage(['phantom:pelvis', 'resample=96x96x72', '--set', 'heartbeat.misses=0'], 
   await after(page, () => say(raw, 'surface skin visible=no'),
               now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
 });
-
-/** The pixels of the picture's canvas, as text. */
-function pixelsOf(page) {
-  return page.getByTestId('frame').evaluate(async canvas => {
-    const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
-    const digest = await crypto.subtle.digest('SHA-256', data);
-    return `${canvas.width} ${canvas.height} ${new Uint8Array(digest).join()}`;
-  });
-}
 
 test('at rest, the page composes exactly the picture of the host', async () => {
   await say(raw, 'view 25 10 fit=yes');
@@ -109,53 +99,13 @@ test('at the viewpoint drawn for, WebGL composes the picture of the host', async
   await keeping.close();
 });
 
-/** The processes of the GPs. */
-function gps() {
-  return treeOf(server.child.pid).filter(pid =>
-    readFileSync(`/proc/${pid}/cmdline`, 'utf8').split('\0')[0].endsWith('pxpl5-gp'));
-}
-
-/** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */
-function similarity(page, ...screenshots) {
-  return page.evaluate(async files => {
-    const [a, b] = await Promise.all(files.map(async file => {
-      const bytes = Uint8Array.from(atob(file), each => each.charCodeAt(0));
-      const bitmap = await createImageBitmap(new Blob([bytes]));
-      const [width, height] = [bitmap.width, bitmap.height].map(px => Math.floor(px / 4));
-      const context = new OffscreenCanvas(width, height).getContext('2d');
-      context.drawImage(bitmap, 0, 0, 4 * width, 4 * height, 0, 0, width, height);
-      return context.getImageData(0, 0, width, height).data;
-    }));
-    const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
-    return 10 * Math.log10(255 * 255 * a.length / sum);
-  }, screenshots.map(each => each.toString('base64')));
-}
-
 test('while the machine is late, both eyes follow the pointer', async t => {
   for (const mode of MODES) {
     await after(page, () => say(raw, `stereo ${mode} separation=120`));
     await after(page, () => say(raw, 'view anterior fit=yes'));
-    const stage = await middleOf(byId('stage'));
-    const at = { x: stage.x - 100, y: stage.y };
-    await page.mouse.move(at.x, at.y);
-    await page.mouse.down();
-    const late = await byId('stage').screenshot(), stopped = gps();
-    for (const pid of stopped) process.kill(pid, 'SIGSTOP');
-    let warped;
-    try {
-      await page.mouse.move(at.x + 9, at.y + 5);
-      await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
-      warped = await byId('stage').screenshot();
-      await shoot(page, `stereo-warped-${mode}`);
-    } finally {
-      for (const pid of stopped) process.kill(pid, 'SIGCONT');
-    }
-    await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
-    await settled(page);
-    const exact = await byId('stage').screenshot();
-    await page.mouse.up();
-    const [found, before] = [await similarity(page, warped, exact),
-                            await similarity(page, late, exact)];
+    const { x, y } = await middleOf(byId('stage'));
+    const { found, before } = await warpedAndLate(page, { x: x - 100, y },
+                                                  `stereo-warped-${mode}`);
     t.diagnostic(`${mode}: ${found.toFixed(1)} dB, as it was ${before.toFixed(1)} dB`);
     assert.ok(found >= LEAST_PSNR_DB && found >= before + LEAST_GAIN_DB, `${found} ${before} dB`);
   }

@@ -1,7 +1,8 @@
 // Tests of warped pictures: stops the machine, and compares screenshots.
 import { readFileSync } from 'node:fs';
-import { server } from '../harness.js';
+import { byId, server, shoot } from '../harness.js';
 import { treeOf } from '../processes.js';
+import { settled } from '../steps.js';
 
 /** The processes of the GPs. */
 function gps() {
@@ -36,6 +37,30 @@ export function similarity(page, ...screenshots) {
     const sum = a.reduce((total, value, k) => total + (value - b[k]) ** 2, 0);
     return 10 * Math.log10(255 * 255 * a.length / sum);
   }, screenshots.map(each => each.toString('base64')));
+}
+
+/**
+ * Drags from a place while the machine is stopped.
+ * @param at    Client coordinates.
+ * @param name  Of a screenshot of the warped picture; '' for none.
+ * @returns the PSNR of the warped picture and of the late one, beside the exact one
+ */
+export async function warpedAndLate(page, at, name = '') {
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  const late = await byId('stage').screenshot();
+  const warped = await whileStopped(async () => {
+    await page.mouse.move(at.x + 9, at.y + 5);
+    await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
+    if (name) await shoot(page, name);
+    return byId('stage').screenshot();
+  });
+  await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
+  await settled(page);
+  const exact = await byId('stage').screenshot();
+  await page.mouse.up();
+  return { found: await similarity(page, warped, exact),
+           before: await similarity(page, late, exact) };
 }
 
 /** The pixels of the picture's canvas, as text. */

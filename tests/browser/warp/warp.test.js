@@ -7,7 +7,7 @@ import test from 'node:test';
 import { bin, browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
 import { after, drag, middleOf, rawSocket, say, settled, state, stateWhen, unfold }
   from '../steps.js';
-import { pixelsOf, similarity, whileStopped } from './screen.js';
+import { pixelsOf, warpedAndLate, whileStopped } from './screen.js';
 import { comparePictures, keepFrames, loadModules, warpedFrame } from './warping.js';
 
 const SEED = process.env.PXPL5_SEED ?? '1993';
@@ -212,21 +212,7 @@ test('while a GP is stopped the picture follows the pointer, and rests exact aft
 
 test('the screen shows where the picture will be', async t => {
   await after(page, () => say(raw, 'view anterior fit=yes'));
-  const at = await middleOf(byId('stage'));
-  await page.mouse.move(at.x, at.y);
-  await page.mouse.down();
-  const late = await byId('stage').screenshot();
-  const warped = await whileStopped(async () => {
-    await page.mouse.move(at.x + 9, at.y + 5);
-    await page.waitForFunction(() => globalThis.pxpl5.warp.warped);
-    return byId('stage').screenshot();
-  });
-  await page.waitForFunction(() => !globalThis.pxpl5.warp.warped);
-  await settled(page);
-  const exact = await byId('stage').screenshot();
-  await page.mouse.up();
-  const [found, before] = [await similarity(page, warped, exact),
-                          await similarity(page, late, exact)];
+  const { found, before } = await warpedAndLate(page, await middleOf(byId('stage')));
   t.diagnostic(`${found.toFixed(1)} dB, as it was ${before.toFixed(1)} dB`);
   assert.ok(found >= LEAST_PSNR_DB && found >= before + SCREEN_GAIN_DB, `${found} ${before} dB`);
 });

@@ -1,4 +1,5 @@
 // Lines and labels of the room, drawn with depth among the pictures of the patient.
+import {programOf} from '../picture/warp_program.js';
 
 /** @typedef {import('./rigid.js').Vector} Vector */
 /** @typedef {{from: Vector, to: Vector, color: number[]}} Line  Meters; red to alpha, 0 to 1. */
@@ -57,42 +58,16 @@ void main() {
   if (color.a < 0.02) { discard; }
 }`;
 
-/**
- * @param {WebGL2RenderingContext} gl
- * @param {string} vertex
- * @param {string} fragment
- */
-function programOf(gl, vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [type, source] of /** @type {const} */ ([[gl.VERTEX_SHADER, vertex],
-    [gl.FRAGMENT_SHADER, fragment]])) {
-    const shader = /** @type {WebGLShader} */ (gl.createShader(type));
-    gl.shaderSource(shader, source);
-    gl.compileShader(shader);
-    gl.attachShader(program, shader);
-  }
-  gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
-    throw new Error(`the browser refuses the shaders: ${gl.getProgramInfoLog(program)}`);
-  }
-  const place = (/** @type {string} */ name) => gl.getUniformLocation(program, name);
-  return {program, place};
-}
-
 /** Draws into the viewport of the bound framebuffer. */
 export class RoomPainter {
   /** @param {WebGL2RenderingContext} gl */
   constructor(gl) {
     /** @private */
     this.gl_ = gl;
-    const lines = programOf(gl, LINE_VERTEX, LINE_FRAGMENT);
-    const labels = programOf(gl, LABEL_VERTEX, LABEL_FRAGMENT);
     /** @private */
-    this.lines_ = {program: lines.program, clip: lines.place('clip'),
-      middle: lines.place('middle')};
+    this.lines_ = programOf(gl, LINE_VERTEX, LINE_FRAGMENT);
     /** @private */
-    this.labels_ = {program: labels.program, clip: labels.place('clip'), up: labels.place('up'),
-      middle: labels.place('middle'), right: labels.place('right'), text: labels.place('text')};
+    this.labels_ = programOf(gl, LABEL_VERTEX, LABEL_FRAGMENT);
     /** @private */
     this.points_ = gl.createBuffer();
     /** @private */
@@ -138,14 +113,14 @@ export class RoomPainter {
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
     gl.depthMask(false);
     gl.useProgram(this.lines_.program);
-    gl.uniformMatrix4fv(this.lines_.clip, false, matrix);
-    gl.uniform3fv(this.lines_.middle, middle);
+    gl.uniformMatrix4fv(this.lines_.places.clip, false, matrix);
+    gl.uniform3fv(this.lines_.places.middle, middle);
     gl.bindVertexArray(this.array_);
     gl.drawArrays(gl.LINES, 0, this.count_);
     gl.bindVertexArray(null);
     gl.useProgram(this.labels_.program);
-    gl.uniformMatrix4fv(this.labels_.clip, false, matrix);
-    gl.uniform1i(this.labels_.text, 0);
+    gl.uniformMatrix4fv(this.labels_.places.clip, false, matrix);
+    gl.uniform1i(this.labels_.places.text, 0);
     const distance = (/** @type {Label} */ {at}) => Math.hypot(at[0] - position[0],
       at[1] - position[1], at[2] - position[2]);
     const inOrder = [...labels].sort((a, b) =>
@@ -158,9 +133,9 @@ export class RoomPainter {
       const height = label.height * rows, width = height * aspect;
       gl.activeTexture(gl.TEXTURE0);
       gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.uniform3fv(this.labels_.middle, label.at);
-      gl.uniform3fv(this.labels_.right, right.map(each => each * width));
-      gl.uniform3fv(this.labels_.up, up.map(each => each * height));
+      gl.uniform3fv(this.labels_.places.middle, label.at);
+      gl.uniform3fv(this.labels_.places.right, right.map(each => each * width));
+      gl.uniform3fv(this.labels_.places.up, up.map(each => each * height));
       gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
     gl.depthMask(true);
