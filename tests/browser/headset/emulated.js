@@ -126,3 +126,28 @@ export function settledPair(page) {
     return headset.pose;
   });
 }
+
+/** Runs steps with a worn headset, and takes it off. */
+export async function worn(browser, url, act, options = {}) {
+  const own = await openWithHeadset(browser, url, options);
+  await wear(own.page);
+  await settledPair(own.page);
+  await act(own.page);
+  await own.page.evaluate(() => globalThis.headset.activeSession?.end());
+  await own.close();
+}
+
+/** Waits until the figures of the headset are as wanted. */
+export function figuresWhen(page, holds, wanted) {
+  // A function made here: the page's policy forbids to make one from text there.
+  return page.waitForFunction(new Function('wanted',
+    `return (${holds})(globalThis.pxpl5.headset, wanted);`), wanted);
+}
+
+/** Where the patient is in the picture of the left eye. */
+export async function leftView(page) {
+  return (await lookThroughEyes(page))[0].patient;
+}
+
+/** The figures of the headset, as metrics.js describes them. */
+export const figures = page => page.evaluate(() => globalThis.pxpl5.headset);
