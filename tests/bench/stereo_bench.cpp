@@ -27,7 +27,7 @@ using namespace pxpl5;
 namespace {
 
 constexpr int largest_px = 4096;
-constexpr int jpeg_quality = 90;  ///< The quality of moving pictures on a quick link.
+constexpr host::serve::JpegQuality jpeg_quality{90, true};  ///< Moving pictures on a quick link.
 constexpr int warm_up_frames = 20;
 
 struct Kind {

@@ -44,8 +44,9 @@ bool accepts_message(const std::string& text) {
     Viewer viewer(1, Role::driver);
     const std::optional<std::string> heard = viewer.hear(text, true, 1);
     require(!heard || *heard == text, "a text that changes on its way");
-    shown_number(text);
+    shown_frame(text);
     wanted_depths(text);
+    wanted_video(text);
     try {
         const ViewerMessage message = read_viewer_message(text);
         const int meanings = int{message.line.has_value()} + int{message.ask.has_value()} +
