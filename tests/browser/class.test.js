@@ -49,7 +49,7 @@ test('students open one address and work apart, and a session that has ended beg
                  /^The session was asked to end, by .* signal\. Reload/);
     await ann.page.reload();
     await ann.page.waitForFunction(() => globalThis.pxpl5?.frames > 0 ||
-      document.body.innerText.includes('are taken'));
+      document.body?.innerText.includes('are taken'));
     await ann.context.close();  // The lost connection was said in its console.
     await context.close();
     await bob.close();

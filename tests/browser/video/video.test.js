@@ -23,6 +23,8 @@ useServer(['phantom:pelvis', 'resample=128x128x96'], false, async () => {
   await page.goto(icon.href);
   raw = await rawSocket(page, server.url);
   await say(raw, 'overlay off');
+  // A moving picture of a transparent surface is blended, and no screen door as a snapshot is.
+  await say(raw, 'surface skin visible=no');
 });
 
 /** Runs before the page's own code: keeps what is shown, and lets decoders fail. */
