@@ -10,7 +10,6 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/session/transfer/detail.hpp"
-#include "host/session/transfer/frame_layers.hpp"
 #include "host/session/transfer/scene_transfer.hpp"
 #include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -216,39 +215,6 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
     }
     wait_until_pending(0);
     return take_oldest();
-}
-
-Picture Frames::draw_pair(const Eyes& eyes, const Moving& how) {
-    drop_ahead();
-    Scene scene = scene_;
-    scene.size = how.size;
-    scene.detail = {false, how.detail};
-    scene.stereo = {};
-    Stage seen = stage(scene);
-    seen.cameras = {eyes.left, eyes.right};
-    request(scene, seen, ReadBack::pixels_and_depths);
-    return take_oldest();
-}
-
-std::optional<Frames::Layers> Frames::draw_layers() {
-    drop_ahead();
-    Stage part = stage(scene_);
-    const std::optional<SurfaceLayers> layers = surface_layers(scene_, part);
-    if (!layers || part.cameras.size() != 1) {
-        return std::nullopt;
-    }
-    part.surfaces = layers->behind;
-    request(scene_, part, ReadBack::pixels_and_depths);
-    const std::int64_t started_ns = pending_.back().started_ns;
-    part.surfaces = {&layers->front, 1};
-    request(scene_, part, ReadBack::pixels_and_depths);
-    pending_.back().is_front = true;
-    pending_.back().started_ns = started_ns;
-    wait_until_pending(0);
-    Layers drawn{take_oldest(), take_oldest(), layers->opacity};
-    put_in_front(drawn.behind.rgba, drawn.behind.depths, drawn.front.rgba, drawn.front.depths,
-                 layers->entries_before);
-    return drawn;
 }
 
 int Frames::max_samples() const {

@@ -77,9 +77,10 @@ class Frames {
     std::optional<Picture> draw_samples(int samples, const std::function<bool()>& go_on = {},
                                         ReadBack read_back = ReadBack::pixels,
                                         PairForm form = PairForm::composed);
-    /// Draws the scene as two given eyes see it, with one sample and with depths. The scene's
-    /// camera, size, detail and stereo mode have no part in it. Returns two views. Drops a frame
-    /// that was requested ahead. Throws RequestError (failed) as drawing does.
+    /// Draws the scene as two given eyes see it, with one sample and with depths, and without its
+    /// transparent surfaces: the depths of a screen door show two surfaces at every place. The
+    /// scene's camera, size, detail and stereo mode have no part in it. Returns two views. Drops a
+    /// frame that was requested ahead. Throws RequestError (failed) as drawing does.
     ///
     /// how  Size of one eye's picture, and the detail.
     Picture draw_pair(const Eyes& eyes, const Moving& how);
@@ -93,6 +94,8 @@ class Frames {
     /// at the same time. Returns nothing in stereo, and unless exactly one visible surface has an
     /// opacity below 1.
     std::optional<Layers> draw_layers();
+    /// The same as two given eyes see it: draw_pair() without the transparent surface, and with it.
+    std::optional<Layers> draw_pair_layers(const Eyes& eyes, const Moving& how);
     /// Draws the exact scene, and drops the picture: one frame per sample, in order of samples.
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
@@ -165,6 +168,7 @@ class Frames {
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
                  Pass pass = {}, bool counts = false, PairForm form = PairForm::composed);
+    std::optional<Layers> draw_layers_of(const Scene& scene, Stage part);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::Message& message);

@@ -122,7 +122,7 @@ bool Director::step() {
     if (inbox_.has_command()) {
         // Pictures keep their rate even while input floods in.
         const bool picture_is_due =
-            shown_.revision != revision_ &&
+            has_onlookers() && shown_.revision != revision_ &&
             (since_ms(shown_.time_ns) >= goal_ms || session_->frames.has_frame_ahead());
         const bool pair_is_due = is_pair_due() && since_ms(headset_.drawn_ns) >= goal_ms;
         if (!((picture_is_due || pair_is_due) && draw_in_turn(false))) {

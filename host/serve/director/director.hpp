@@ -133,8 +133,7 @@ class Director {
     bool has_onlookers() const;
     bool is_pair_due() const;
     bool draw_pair();
-    void show_pair(Picture picture, std::uint32_t viewer, std::uint32_t pose,
-                   std::uint32_t revision);
+    void show_pair(Shown frame);
     double rest_due_ms() const;
     void draw_as_moving(const std::function<void()>& draw);
     bool draw_moving();
@@ -158,7 +157,10 @@ class Director {
         std::uint32_t revision = 0;
         int samples = 0;  ///< 0 for a moving picture.
         std::int64_t time_ns = 0;
-        /// Depths of the resting picture of one sample, for its refinements; may be null.
+        /// The resting picture of one sample, for its refinements: revision, views and depths,
+        /// which may be null.
+        std::uint32_t resting_revision = 0;
+        int resting_views = 0;
         std::shared_ptr<const std::vector<std::uint32_t>> resting_depths = nullptr;
         bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
         Camera camera = {};

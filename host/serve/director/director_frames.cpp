@@ -54,8 +54,11 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
             std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
     }
     if (rests && samples == 1) {
+        shown_.resting_revision = revision_;
+        shown_.resting_views = frame.views;
         shown_.resting_depths = frame.depths;
-    } else if (rests) {
+    } else if (rests && shown_.resting_revision == revision_ &&
+               shown_.resting_views == frame.views) {
         frame.depths = shown_.resting_depths;
     }
     frame.samples = samples;
@@ -224,7 +227,10 @@ bool Director::draw_resting() {
     }
     const bool is_first = shown_.revision != revision || shown_.samples == 0 || lacks_depths();
     const int samples = *std::ranges::upper_bound(sample_counts, is_first ? 0 : shown_.samples);
-    const ReadBack reads = read_back();
+    // Refinements have the form of the first picture, whose depths they keep.
+    const ReadBack reads = is_first             ? read_back()
+                           : shown_.read_depths ? ReadBack::pixels_and_depths
+                                                : ReadBack::pixels;
     bool is_drawn = true;
     guard("drawing", [&] {
         const auto go_on = [this, samples] {

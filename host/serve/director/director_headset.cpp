@@ -22,6 +22,39 @@ std::size_t pixels_of_pair(const Size& eye) {
            static_cast<std::size_t>(eye.height);
 }
 
+using Words = std::vector<std::uint32_t>;
+
+/// The words of each eye: behind, then in front.
+std::shared_ptr<const Words> by_eye(const Words& behind, const Words& front) {
+    Words words;
+    words.reserve(behind.size() + front.size());
+    const auto half = static_cast<std::ptrdiff_t>(behind.size() / eyes_of_a_pair);
+    for (std::ptrdiff_t first = 0; first < eyes_of_a_pair * half; first += half) {
+        words.insert(words.end(), behind.begin() + first, behind.begin() + first + half);
+        words.insert(words.end(), front.begin() + first, front.begin() + first + half);
+    }
+    return std::make_shared<const Words>(std::move(words));
+}
+
+/// The frame of a pair; with one transparent surface, of two layers for each eye.
+Shown pair_of(Frames& frames, const Eyes& eyes, const Frames::Moving& how) {
+    Shown frame;
+    frame.views = eyes_of_a_pair;
+    frame.width = how.size.width;
+    frame.height = how.size.height;
+    if (const auto layers = frames.draw_pair_layers(eyes, how)) {
+        frame.layers = 2;
+        frame.opacity = layers->opacity;
+        frame.pixels = by_eye(layers->behind.rgba, layers->front.rgba);
+        frame.depths = by_eye(layers->behind.depths, layers->front.depths);
+        return frame;
+    }
+    Picture picture = frames.draw_pair(eyes, how);
+    frame.pixels = std::make_shared<const Words>(std::move(picture.rgba));
+    frame.depths = std::make_shared<const Words>(std::move(picture.depths));
+    return frame;
+}
+
 }  // namespace
 
 /// Keeps the newest eyes. Eyes of null end the headset.
@@ -101,8 +134,8 @@ bool Director::draw_pair() {
     wish.id = std::exchange(headset_.id, std::nullopt);
     const std::int64_t start_ns = parts_.clock_ns();
     std::uint32_t revision = revision_;
-    std::optional<Picture> picture;
-    std::string failure = "the pair could not be drawn";
+    std::optional<Shown> pair;
+    std::string failure = "eyes: the pair could not be drawn; a message before says why";
     guard("drawing", [&] {
         revision = revision_;
         if (!has_picture()) {
@@ -111,8 +144,8 @@ bool Director::draw_pair() {
         }
         try {
             const double scale = std::min(headset_.pace.scale(), audience_.advice().pair_scale);
-            picture = session_->frames.draw_pair(
-                eyes.eyes, {moving_size(eyes.size, scale), moving_detail(eyes_of_a_pair)});
+            pair = pair_of(session_->frames, eyes.eyes,
+                           {moving_size(eyes.size, scale), moving_detail(eyes_of_a_pair)});
         } catch (const RequestError& error) {
             failure = fmt::format("eyes: {}", error.what());
         }
@@ -124,26 +157,19 @@ bool Director::draw_pair() {
         headset_.revision = revision;  // Also after a failure: the next change tries again.
         headset_.had_turn = true;
     }
-    if (!picture) {
+    if (!pair) {
         refuse(wish, RequestError(ExitCode::failed, failure));
         return true;
     }
-    show_pair(std::move(*picture), wish.viewer, eyes.pose, revision);
+    pair->viewer = wish.viewer;
+    pair->pose = eyes.pose;
+    pair->revision = revision;
+    show_pair(std::move(*pair));
     answer_eyes(wish.viewer, wish.id, false);
     return true;
 }
 
-void Director::show_pair(Picture picture, std::uint32_t viewer, std::uint32_t pose,
-                         std::uint32_t revision) {
-    Shown frame;
-    frame.viewer = viewer;
-    frame.pose = pose;
-    frame.revision = revision;
-    frame.views = picture.views;
-    frame.width = picture.width;
-    frame.height = picture.height;
-    frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
-    frame.depths = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
+void Director::show_pair(Shown frame) {
     frame.moved_mm = session_->frames.last().moved_mm;
     frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
     audience_.show(std::move(frame));

@@ -171,7 +171,9 @@ HeadsetEyes read_headset_eyes(const Json& eyes) {
                       std::numeric_limits<std::uint32_t>::max());
     const Json& size = part(eyes, "eyes", "size");
     if (!size.is_array() || size.size() != 2) {
-        refuse_command("message: eyes.size must be a list of width and height");
+        refuse_command(fmt::format(
+            "message: eyes.size is {}, must be a list of width and height",
+            size.is_array() ? fmt::format("a list of {}", size.size()) : size.type_name()));
     }
     const auto side = [&](std::size_t axis) {
         return static_cast<int>(

@@ -78,8 +78,8 @@ struct Shown {
     double moved_mm = 0;         ///< Above 0: simplified; no point is farther from the surfaces.
     std::uint64_t digest = 0;    ///< 0 while moving.
 
-    /// All pictures as one, for viewers who ask for no depths. The server's thread calls this, at
-    /// most once. Empty if there is only one picture.
+    /// All pictures as one, for viewers who ask for no depths. The server's thread calls
+    /// this. Empty if there is only one picture.
     std::function<OnePicture()> as_one = {};
 
     int pictures() const { return views * layers; }

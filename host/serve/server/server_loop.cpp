@@ -119,6 +119,8 @@ void Loop::deliver() {
     const auto newest = mail_.newest();
     if (newest->shown.rests) {
         resting_pixels_ = newest->shown.pixels->size();
+    } else {
+        moving_layers_ = static_cast<std::size_t>(newest->shown.layers);
     }
     for (auto& [connection, socket] : sockets_) {
         if (socket.viewer.takes(*mail_.newest(socket.viewer.number))) {
@@ -148,7 +150,8 @@ void Loop::advise() {
         wants.frame = wants.frame || viewer.wants_newer(*newest);
         advice.wants_depths = advice.wants_depths || viewer.wants_depths;
         if (viewer.role == Role::driver && resting_pixels_ > 0) {
-            advice.scale = std::min(advice.scale, viewer.link.scale(resting_pixels_));
+            const auto layers = viewer.wants_depths ? moving_layers_ : 1;
+            advice.scale = std::min(advice.scale, viewer.link.scale(layers * resting_pixels_));
         }
     }
     mail_.advise(wants);

@@ -115,6 +115,7 @@ class Loop {
     Words encoded_depths_of_;
     VideoEncoder::Frame video_frame_;  ///< The last of any viewer.
     std::size_t resting_pixels_ = 0;
+    std::size_t moving_layers_ = 1;
     Listener listener_;  ///< The last: its callbacks use the others.
 };
 

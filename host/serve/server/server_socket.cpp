@@ -185,7 +185,7 @@ void Loop::on_text(lws* connection, Socket& socket, std::string_view part) {
         }
         advise();
     } else if (const auto wanted = wanted_depths(*text)) {
-        viewer.wants_depths = *wanted && viewer.role == Role::driver;
+        viewer.want_depths(*wanted && viewer.role == Role::driver, *mail_.newest());
         if (viewer.takes(*mail_.newest())) {
             lws_callback_on_writable(connection);
         }
@@ -283,10 +283,13 @@ Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& shown, const OnePic
             quality.full_color ? +FrameFlag::full_color : 0};
 }
 
+/// One place is kept for a driver.
 bool Loop::has_place_for_video(const Viewer& viewer) const {
     const auto has_video = [](const auto& each) { return each.second.viewer.video != nullptr; };
+    const std::size_t most =
+        viewer.role == Role::watcher ? max_video_viewers - 1 : max_video_viewers;
     return viewer.video ||
-           static_cast<std::size_t>(std::ranges::count_if(sockets_, has_video)) < max_video_viewers;
+           static_cast<std::size_t>(std::ranges::count_if(sockets_, has_video)) < most;
 }
 
 bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes) {

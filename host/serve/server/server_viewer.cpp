@@ -89,6 +89,14 @@ const Shown* Viewer::next_of(const NewestFrame& frame) const {
     return lacks_layers ? frame.layers.get() : nullptr;
 }
 
+void Viewer::want_depths(bool wanted, const NewestFrame& newest) {
+    if (wanted && !wants_depths && (newest.shown.depths || newest.layers)) {
+        newest_sent_ = 0;
+        layers_sent_ = 0;
+    }
+    wants_depths = wanted;
+}
+
 bool Viewer::wants_newer(const NewestFrame& frame) const {
     return has_room() && frame.sequence <= newest_sent(frame);
 }

@@ -57,6 +57,9 @@ class Viewer {
     /// The picture of the frame that it gets next: the frame itself, or its layers. Null if it has
     /// both.
     const Shown* next_of(const NewestFrame& frame) const;
+    /// Sets wants_depths. A viewer that asks for depths gets the newest frame again if the frame
+    /// has any: they may have asked after the frame was sent.
+    void want_depths(bool wanted, const NewestFrame& newest);
     /// Whether it would take a frame newer than this one.
     bool wants_newer(const NewestFrame& frame) const;
     /// Notes that next_of(frame) goes out now; returns its number for this viewer.

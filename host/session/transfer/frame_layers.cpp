@@ -23,6 +23,14 @@ std::size_t transparent_surfaces(std::span<const Surface> surfaces) {
         surfaces, [&](const Surface& each) { return is_transparent(surfaces, each); }));
 }
 
+std::vector<Surface> without_transparent(std::span<const Surface> surfaces) {
+    std::vector<Surface> kept(surfaces.begin(), surfaces.end());
+    for (Surface& each : kept) {
+        each.visible = each.visible && !is_transparent(surfaces, each);
+    }
+    return kept;
+}
+
 std::optional<SurfaceLayers> surface_layers(const Scene& scene, const Stage& stage) {
     if (transparent_surfaces(stage.surfaces) != 1) {
         return std::nullopt;

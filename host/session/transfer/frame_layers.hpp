@@ -14,6 +14,10 @@ namespace pxpl5::host {
 /// How many of the surfaces are visible and have an opacity below 1.
 std::size_t transparent_surfaces(std::span<const Surface> surfaces);
 
+/// The surfaces, of which transparent ones are not visible. They stay in the list, because others
+/// may be compared with them.
+std::vector<Surface> without_transparent(std::span<const Surface> surfaces);
+
 /// The surfaces of two pictures.
 struct SurfaceLayers {
     std::vector<Surface> behind;  ///< Without the transparent surface.

@@ -1,4 +1,5 @@
 // The pairs of pictures: asks for the newest poses only, and keeps the newest pair.
+import {LIMITS} from '../link/vocabulary.js';
 import {unpack} from '../picture/lean_depths.js';
 import {multiply} from '../picture/camera.js';
 
@@ -25,7 +26,7 @@ const REFUSED_MS = 2000;    // The same after a refusal.
  * @property {number} seenAt
  * @property {number} width        Of one picture, pixels.
  * @property {number} height
- * @property {number} layers       Pictures of each eye.
+ * @property {number[]} opacities  Of the pictures of each eye, the first behind.
  * @property {number[][]} clips    Of each eye: patient to the clip coordinates of the picture.
  * @property {EyeWindow[]} windows
  */
@@ -61,6 +62,8 @@ export class Pairs {
     this.next_ = null;
     /** @private */
     this.isDecoding_ = false;
+    /** @private Pairs before this revision show another volume. */
+    this.leastRevision_ = 0;
     /** @private @type {((trip_ms: number) => void)[]} */
     this.tripActs_ = [];
     /** @private */
@@ -113,6 +116,16 @@ export class Pairs {
     });
   }
 
+  /**
+   * Forgets the pair, because another volume is open.
+   * @param {number} revision  Of the first state with this volume: pairs before it are dropped.
+   */
+  forget(revision) {
+    this.shown = null;
+    this.isKnown = false;
+    this.leastRevision_ = revision;
+  }
+
   /** Ends it: the server draws no further pair. */
   end() {
     this.ends_.forEach(each => each());
@@ -128,6 +141,7 @@ export class Pairs {
     this.underWay_ = 0;
     this.isKnown = false;
     this.waitsUntil_ = 0;
+    this.leastRevision_ = 0;  // A restarted server begins again at 1.
   }
 
   /**
@@ -175,20 +189,23 @@ export class Pairs {
    * @param {Frame} frame
    */
   async show_({header, picture, depths}) {
-    const {pose, revision, width, height, views, layers} = header;
+    const {pose, revision, width, height, views, layers, opacity} = header;
     if (views !== 2 || depths.length !== views * layers) {
       throw new Error(`pair ${pose}: ${views} views of ${layers} layers, but ${depths.length} `
-        + 'blocks of depths. Load the page again; it may be older than the server.');
+        + 'blocks of depths. The server could not send all depths, or is newer than the page: its '
+        + 'messages say which; load the page again.');
     }
     const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
     const [bitmap, leans] = await Promise.all([
       createImageBitmap(new Blob([/** @type {any} */ (picture)], {type})),
       Promise.all(depths.map(each => unpack(each, width, height)))]);
     const asked = this.asked_.get(pose);
-    if (asked && pose >= (this.shown?.pose ?? 0)) {  // Nothing goes back in time.
+    // Nothing goes back in time.
+    if (asked && pose >= (this.shown?.pose ?? 0) && revision >= this.leastRevision_) {
       this.painter_.take(bitmap, leans);
       const {windows, seenAt} = asked;
-      this.shown = {pose, revision, seenAt, width, height, layers, windows,
+      const opacities = layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
+      this.shown = {pose, revision, seenAt, width, height, opacities, windows,
         clips: windows.map(each => multiply(each.projection, each.patient_to_eye))};
       this.count += 1;
       for (const older of this.asked_.keys()) {

@@ -156,6 +156,7 @@ export class Worn {
       this.identity_ = identity;
       this.isPlaced_ = false;
       this.hands_.forget();
+      this.pairs_.forget(this.app_.store.state?.revision ?? 0);
     }
     if (!this.isPlaced_ && sphere) {
       this.placement_.home(sphere, head);
@@ -256,7 +257,8 @@ export class Worn {
       const magnification = focal / (pair.windows[eye].projection[0] * pair.width);
       const warp = multiply(multiply(clip, this.placement_.patientToWorld),
         inverse(pair.clips[eye]));
-      this.painter_.draw(eye * pair.layers, warp, magnification);
+      pair.opacities.forEach((opacity, layer) =>
+        this.painter_.draw(eye * pair.opacities.length + layer, warp, magnification, opacity));
     }
   }
 

@@ -3,9 +3,8 @@ import {byId, update} from '../elements/dom.js';
 import {bitmapOf, bitmapOfFile, paintFrame} from './bitmaps.js';
 import {eyesOf} from './eyes.js';
 import {placed} from './layout.js';
-import {withTexts} from './png_text.js';
+import {marked} from './marked.js';
 import {composedSize, partsOf, stereoOf} from './stereo.js';
-import {paintLegend, paintSvg} from './svg_paint.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
@@ -74,6 +73,10 @@ export class PictureView {
     this.next_ = null;
     /** @private */
     this.decoding_ = false;
+    /** @private */
+    this.isWorn_ = false;
+    /** @private Ends the wait for a screen refresh. */
+    this.wake_ = () => {};
     /** @private @type {((header: FrameHeader, at: number) => void)[]} */
     this.shownActs_ = [];
     /** @private @type {(() => void)[]} */
@@ -216,33 +219,12 @@ export class PictureView {
   }
 
   /**
-   * A picture of the same proportions with the marks that are on the screen.
-   * @param {Blob} file  A PNG. Its texts stay.
+   * A picture of the same proportions with the marks that are on the screen, see marked().
+   * @param {Blob} file
    * @param {{marks: boolean, legend: LegendLine[]}} wish
-   * @returns {Promise<Blob>}
    */
-  async marked(file, {marks, legend}) {
-    const picture = await createImageBitmap(file);
-    const canvas = document.createElement('canvas');
-    [canvas.width, canvas.height] = [picture.width, picture.height];
-    const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext('2d'));
-    context.drawImage(picture, 0, 0);
-    picture.close();
-    const scale = canvas.width / (this.width || 1);
-    if (marks) {
-      // Browsers show a canvas at whole pixels.
-      const {left, top} = this.canvas_.getBoundingClientRect();
-      const origin = {left: Math.round(left), top: Math.round(top)};
-      for (const svg of this.stage.querySelectorAll('svg')) {
-        paintSvg(context, svg, origin, scale);
-      }
-    }
-    paintLegend(context, this.overlay, legend, scale);
-    const marked = await new Promise(take => canvas.toBlob(take));
-    if (!marked) {
-      throw new Error('The browser cannot write so large a picture.');
-    }
-    return withTexts(marked, file);
+  marked(file, wish) {
+    return marked(file, wish, this, this.canvas_);
   }
 
   /**
@@ -251,7 +233,7 @@ export class PictureView {
    */
   take_(frame) {
     if (frame.header.pose > 0) {
-      return;  // Of a headset.
+      return;  // A headset shows it.
     }
     this.drop_(this.next_);
     const video = frame.header.kind === 'vp8' ? this.video?.decode(frame) ?? null : null;
@@ -267,10 +249,7 @@ export class PictureView {
    */
   drop_(waiting) {
     if (waiting?.video) {
-      void waiting.video.then(picture => {
-        picture?.close();
-        waiting.frame.shown();
-      });
+      void waiting.video.then(picture => picture?.close()).finally(() => waiting.frame.shown());
     } else {
       waiting?.frame.shown();
     }
@@ -295,6 +274,20 @@ export class PictureView {
     this.decoding_ = false;
   }
 
+  /** Whether a headset is worn: the window may have no screen refresh then. */
+  set isWorn(isWorn) {
+    this.isWorn_ = isWorn;
+    this.wake_();
+  }
+
+  /** Waits for the next screen refresh, if there may be one. @private */
+  refreshed_() {
+    return this.isWorn_ ? Promise.resolve() : new Promise(wake => {
+      this.wake_ = () => wake(0);
+      requestAnimationFrame(this.wake_);
+    });
+  }
+
   /**
    * @private
    * @param {Frame} frame
@@ -308,9 +301,13 @@ export class PictureView {
     if (!bitmap) {
       return;
     }
-    await new Promise(requestAnimationFrame);
-    if (header.revision >= this.leastRevision_) {
-      this.draw_(header, bitmap, leans);
+    try {
+      await this.refreshed_();
+      if (header.revision >= this.leastRevision_) {
+        this.draw_(header, bitmap, leans);
+      }
+    } finally {
+      bitmap.close();
     }
   }
 
@@ -322,12 +319,12 @@ export class PictureView {
    */
   draw_(header, bitmap, leans) {
     const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
-    const camera = known?.camera ?? this.store_.state?.camera ?? null;
-    const stereo = known?.stereo ?? {mode: 'off', separation_mm: 0, convergence_mm: 0};
+    const {state} = this.store_, camera = known?.camera ?? state?.camera ?? null;
+    const stereo = known?.stereo
+      ?? (state ? stereoOf(state) : {mode: 'off', separation_mm: 0, convergence_mm: 0});
     // Layers of the picture at rest are for warped pictures only.
     if (!header.rests && this.header?.rests && header.revision === this.header.revision) {
       this.warp?.take(header, camera, stereo, bitmap, leans);
-      bitmap.close();
       return;
     }
     this.header = header;
@@ -335,7 +332,6 @@ export class PictureView {
     if (this.warp?.take(header, camera, stereo, bitmap, leans) ?? true) {
       paintFrame(this.context_, header, stereo.mode, bitmap);
     }
-    bitmap.close();
     const at = performance.now();
     for (const act of this.shownActs_) {
       act(header, at);

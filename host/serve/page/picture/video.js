@@ -83,8 +83,12 @@ export class Video {
    */
   decodeNext_(isKey, data) {
     return new Promise(resolve => {
-      if (isKey && !this.decoder_) {
-        this.open_();
+      try {
+        if (isKey && !this.decoder_) {
+          this.open_();
+        }
+      } catch (error) {
+        this.failed_(error);
       }
       if (!this.decoder_) {
         resolve(null);
@@ -146,8 +150,9 @@ export class Video {
     this.close_();
     if (this.failuresInARow_ >= MOST_FAILURES && !this.isRefused_) {
       this.isRefused_ = true;
-      this.tell_('The browser cannot decode the video of moving pictures. They are sent as JPEG '
-        + `instead, which needs a faster link: ${error instanceof Error ? error.message : error}`);
+      this.tell_('The browser cannot decode the video of moving pictures: '
+        + `${error instanceof Error ? error.message : error}. They are sent as JPEG instead, which `
+        + 'needs a faster link.');
     }
     void this.ask_();
   }
@@ -162,6 +167,7 @@ export class Video {
         isOn = false;
       }
     }
+    isOn &&= !this.isRefused_;  // It may have failed again meanwhile.
     this.figures.on = isOn;
     this.connection_.wantVideo(isOn);
   }

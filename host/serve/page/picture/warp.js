@@ -169,6 +169,9 @@ export class Warp {
    */
   take({width, height, revision, views, rests, layers, opacity}, camera, stereo, bitmap, leans) {
     this.shown_ = camera;
+    if (this.painter_ && Math.max(bitmap.width, bitmap.height) > this.painter_.most_px) {
+      leans = null;  // The canvas below has no such limit.
+    }
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
     const seenAt = asked?.at ?? 0;
     const isBelow = views === 1 || rests || !leans || !camera || !this.painter_;

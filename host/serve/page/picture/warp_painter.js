@@ -54,6 +54,8 @@ export class WarpPainter {
     this.canvas_ = canvas;
     /** The context that everything is drawn with. */
     this.gl = gl;
+    /** Of a bitmap that take() can take, width or height. */
+    this.most_px = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     /** @private */
     this.surfaces_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
