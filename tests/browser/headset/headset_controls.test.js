@@ -97,20 +97,22 @@ test('stick: the isovalue of the chosen surface; one step to undo', () => wornHe
     .find(each => each.textContent === 'bone').click());
   const tilt = y => page.evaluate(y =>
     globalThis.headset.controllers.right.updateAxes('thumbstick', 0, y), y);
-  // Tilts the stick until the value is higher by 50, and returns the value that stays.
-  const raised = async () => {
-    const before = bone(await state(page));
+  const raiseAbove = async value => {
     await tilt(-1);
-    await stateWhen(page, (now, was) =>
-      now.surfaces.some(({ name, isovalue }) => name === 'bone' && isovalue > was + 50), before);
+    await stateWhen(page, (now, wanted) =>
+      now.surfaces.some(({ name, isovalue }) => name === 'bone' && isovalue > wanted), value);
     await tilt(0);
     await settledPair(page);
-    return bone(await state(page));
   };
-  const [first] = [await raised(), await raised()];
+  const before = bone(await state(page));
+  await raiseAbove(before + 50);
+  const middle = bone(await state(page));
+  await raiseAbove(middle + 200);
+  // Undoes the second tilt, and not the first. Its last setting may have come after `middle`.
   await say(raw, 'undo');
-  await stateWhen(page, (now, was) =>
-    now.surfaces.some(({ name, isovalue }) => name === 'bone' && isovalue === was), first);
+  await stateWhen(page, (now, [low, high]) =>
+    now.surfaces.some(({ name, isovalue }) => name === 'bone' && isovalue > low &&
+      isovalue < high), [before + 50, middle + 200]);
 }));
 
 test('B at two places: their distance, in the list of the page, too', () => wornHere(async page => {
