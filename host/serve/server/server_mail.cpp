@@ -3,6 +3,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <system_error>
 #include <utility>
@@ -66,12 +67,12 @@ void Mail::show(Shown frame) {
         if (is_pair && frame.viewer != wearer_.viewer) {
             return;
         }
-        ++frames_;
         if (is_pair) {
-            newest_pair_ = std::make_shared<NewestFrame>(NewestFrame{frames_, std::move(frame)});
+            newest_pair_ = std::make_shared<NewestFrame>(NewestFrame{++frames_, std::move(frame)});
         } else {
             newest_ =
-                std::make_shared<NewestFrame>(next_frame(*newest_, std::move(frame), frames_));
+                std::make_shared<NewestFrame>(next_frame(*newest_, std::move(frame), frames_ + 1));
+            frames_ = std::max(frames_, newest_->sequence);
         }
         // Until the server has seen who takes this one.
         (is_pair ? wants_pair_ : wants_frame_) = false;

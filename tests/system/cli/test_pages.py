@@ -84,6 +84,12 @@ EXCUSED = {
     (BENCH, "python3 compare.py ../../build/release/bin/pxpl5 --topology default,paper-1993 --big "
             "--json figures.json"): LONG,
     (BENCH, "python3 scaling.py ../../build/release/bin/pxpl5 --long"): LONG,
+    (BENCH, "python3 stereo.py ../../build/release/bin/pxpl5 --check"): MINUTES,
+    (BENCH, "PXPL5_BIN_DIR=$PWD/../../build/release/bin PXPL5_SHOTS_DIR=/tmp "
+            "PXPL5_NODE_MODULES=$PWD/../../build/release/browser/node_modules "
+            "../browser/run_test.sh ./viewer.js --volume ../../../shared/data/ct/torso_3mm.nii.gz "
+            "--load resample=512x512x275 --surface 'bone iso=150' --surface 'skin iso=-300'"):
+        MINUTES,
     (BENCH, "apt-get install python3-vtk9 xvfb xauth libgl1-mesa-dri libegl-dev libgl-dev"):
         "installs packages as root, from the network",
 }
