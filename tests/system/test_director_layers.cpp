@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/host/serve/headset_words.hpp"
 #include "tests/system/theatre.hpp"
 
 using namespace pxpl5;
@@ -117,4 +118,53 @@ TEST_CASE("a state at rest gets layers once, and only for who asks") {
     for (const serve::Shown& frame : stage.watchers.frames) {
         CHECK(frame.layers == 1);
     }
+}
+
+TEST_CASE("with one transparent surface each eye has two layers, with more they are left out") {
+    Theatre stage;
+    const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
+    int id = 0, pose = 0;
+    const auto newest_after = [&](const std::vector<std::string>& lines) {
+        for (const std::string& line : lines) {
+            stage.watchers.does(++id, line);
+            stage.settle();
+            REQUIRE(stage.watchers.reply(id)["ok"] == true);
+        }
+        stage.watchers.frames.clear();
+        stage.watchers.says(
+            eyes_message(++id, ++pose, eyes_at(stage.director.session().frames.subject(), 20)));
+        stage.settle();
+        for (const serve::Shown& each : stage.watchers.frames) {
+            if (each.pose == static_cast<std::uint32_t>(pose)) {
+                return each;
+            }
+        }
+        return serve::Shown{};
+    };
+    const serve::Shown opaque = newest_after({"surface second iso=0.3"});
+    REQUIRE(opaque.layers == 1);
+    const serve::Shown without = newest_after({"surface " + name + " visible=no"});
+    const serve::Shown layered = newest_after({"surface " + name + " visible=yes opacity=0.375"});
+    CHECK(layered.views == 2);
+    CHECK(layered.layers == 2);
+    CHECK(layered.opacity == 6);
+    const auto eye = static_cast<std::ptrdiff_t>(layered.pixels->size() / 4);
+    REQUIRE(opaque.pixels->size() == static_cast<std::size_t>(2 * eye));
+    REQUIRE(layered.depths->size() == layered.pixels->size());
+    CHECK(*opaque.pixels != *without.pixels);
+    const auto part = [eye](const serve::Shown& frame, int index) {
+        return std::vector(frame.pixels->begin() + index * eye,
+                           frame.pixels->begin() + (index + 1) * eye);
+    };
+    for (const int index : {0, 1}) {
+        CHECK(part(layered, 2 * index) == part(without, index));
+        CHECK(part(layered, 2 * index + 1) == part(opaque, index));
+    }
+    const serve::Shown third = newest_after({"surface third iso=0.5"});
+    const serve::Shown both = newest_after({"surface second opacity=0.5"});
+    CHECK(both.layers == 1);
+    const serve::Shown alone =
+        newest_after({"surface " + name + " visible=no", "surface second visible=no"});
+    CHECK(*both.pixels == *alone.pixels);
+    CHECK(*both.pixels != *third.pixels);
 }

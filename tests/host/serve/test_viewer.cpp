@@ -109,6 +109,23 @@ TEST_CASE("a viewer takes each frame once, and no third while two are unacknowle
     CHECK(viewer.takes(frame(10)));
 }
 
+TEST_CASE("who asks for depths after a frame was sent gets the frame again, if it has depths") {
+    Viewer viewer(1, Role::driver);
+    viewer.line_up({.viewer = 1, .binary = false, .bytes = std::make_shared<std::string>("hi")});
+    viewer.next_message();
+    NewestFrame newest = frame(5);
+    viewer.count_frame(newest);
+    viewer.want_depths(true, newest);
+    CHECK_FALSE(viewer.takes(newest));  // The frame has none.
+    viewer.want_depths(false, newest);
+    newest.shown.depths = std::make_shared<const std::vector<std::uint32_t>>(1);
+    viewer.want_depths(true, newest);
+    CHECK(viewer.takes(newest));
+    viewer.count_frame(newest);
+    viewer.want_depths(true, newest);  // It had asked before.
+    CHECK_FALSE(viewer.takes(newest));
+}
+
 TEST_CASE("only the plain message that a frame was shown is the server's") {
     CHECK(shown_frame("{\"shown\":123}")->number == 123U);
     CHECK(shown_frame("{\"shown\":123}")->since_arrival_ms == 0);
