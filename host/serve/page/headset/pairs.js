@@ -8,6 +8,7 @@ import {multiply} from '../picture/camera.js';
 
 const SILENT_MS = 1000;     // After a reply without its pair, the next poses go out.
 const REFUSED_MS = 2000;    // The same after a refusal.
+const PATIENCE_MS = 10000;  // The same without any reply.
 
 /**
  * A pose that the machine was asked for.
@@ -94,6 +95,7 @@ export class Pairs {
     this.asked_.set(pose, {pose, windows, seenAt, sentAt: performance.now()});
     this.underWay_ = pose;
     this.isKnown = true;
+    this.freeAfter_(pose, PATIENCE_MS);
     void this.connection_.eyes({pose, size, left: windows[0], right: windows[1]}).then(reply => {
       if (this.underWay_ !== pose) {
         return;
@@ -107,13 +109,23 @@ export class Pairs {
         this.tell_(reply.error ?? '');
       } else {
         this.tell_('');
-        setTimeout(() => {
-          if (this.underWay_ === pose) {
-            this.underWay_ = 0;  // A newer frame has taken the place of the pair.
-          }
-        }, SILENT_MS);
+        this.freeAfter_(pose, SILENT_MS);  // A newer frame may take the place of the pair.
       }
     });
+  }
+
+  /**
+   * Lets the next poses go out, if the pair of this pose has not come by then.
+   * @private
+   * @param {number} pose
+   * @param {number} ms
+   */
+  freeAfter_(pose, ms) {
+    setTimeout(() => {
+      if (this.underWay_ === pose) {
+        this.underWay_ = 0;
+      }
+    }, ms);
   }
 
   /**
