@@ -274,7 +274,10 @@ export class PictureView {
     this.decoding_ = false;
   }
 
-  /** Whether a headset is worn: the window may have no screen refresh then. */
+  /**
+   * Whether a headset is worn: the window may have no screen refresh then.
+   * @param {boolean} isWorn
+   */
   set isWorn(isWorn) {
     this.isWorn_ = isWorn;
     this.wake_();
