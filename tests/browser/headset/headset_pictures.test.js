@@ -37,6 +37,17 @@ async function pairAt(page, ...head) {
   return settledPair(page);
 }
 
+/** Pairs of one size at two poses of the head: a busy machine draws some smaller. */
+async function pairsAt(page, first, second) {
+  for (let tries = 0; tries < 20; tries++) {
+    const poses = [await pairAt(page, ...first), await pairAt(page, ...second)];
+    const sizes = await page.evaluate(poses => poses.map(pose =>
+      new DataView(globalThis.pairs.get(pose).message).getUint32(12, true)), poses);
+    if (sizes[0] === sizes[1]) return poses;
+  }
+  throw new Error('no two pairs of one size in 20 tries');
+}
+
 test('at the pose that it was drawn for, each eye is the picture, pixel by pixel', async () => {
   const own = await wearKeeping();
   for (const head of [[0.1, 1.5, 0.1], [-0.2, 1.3, -0.1, 20, -5]]) {
@@ -56,8 +67,7 @@ test('3 cm aside, the warped eyes are nearly the exact ones', async t => {
   for (const [name, move] of Object.entries({ right: [0.03, 0, 0], up: [0, 0.03, 0],
                                               nearer: [0, 0, -0.03] })) {
     const head = [0, 1.45, 0.05];
-    const pair = [await pairAt(own.page, ...head),
-                  await pairAt(own.page, ...head.map((each, k) => each + move[k]))];
+    const pair = await pairsAt(own.page, head, head.map((each, k) => each + move[k]));
     for (const found of await own.page.evaluate(comparePairs, pair)) {
       const { warped_db: warped, turned_db: turned, unknown, covered } = found;
       t.diagnostic(`${name}: ${warped.toFixed(1)} dB, only turned ${turned.toFixed(1)} dB, ` +
