@@ -78,7 +78,7 @@ async function compare([index, mode]) {
 }
 
 test('at the viewpoint drawn for, WebGL composes the picture of the host', async t => {
-  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
   await keeping.page.evaluate(loadModules);
   for (const mode of MODES) {
     const { revision } = await after(keeping.page, () => say(raw, `stereo ${mode}`));

@@ -32,7 +32,7 @@ async function keptOf(page, view) {
 }
 
 test('unknown surfaces are hatched, known ones never', async t => {
-  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
   await keeping.page.evaluate(loadModules);
   await after(keeping.page, () => say(raw, 'view 30 15 roll=0 fit=yes'));
   const { zoom, pan_mm: [right, up] } = (await state(keeping.page)).camera;

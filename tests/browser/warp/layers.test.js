@@ -43,7 +43,7 @@ async function pairOf(page, ...views) {
 }
 
 async function openKeeping() {
-  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
   await keeping.page.evaluate(loadModules);
   return keeping;
 }

@@ -29,7 +29,7 @@ usePage(['phantom:pelvis', 'resample=128x128x96', '--set', 'heartbeat.misses=0']
 
 /** A page that keeps its resting frames of one sample with depths. */
 async function openKeeping() {
-  const keeping = await openPage(browser, server.url, { script: keepFrames });
+  const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
   await keeping.page.evaluate(loadModules);
   return keeping;
 }
