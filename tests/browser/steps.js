@@ -44,6 +44,14 @@ export async function after(page, act, holds = () => true, wanted = null) {
   return { ...shown, state: await state(page) };
 }
 
+/** A raw socket, after it has hidden the skin of the pelvis, which is transparent. */
+export async function socketWithoutSkin(page, url) {
+  const raw = await rawSocket(page, url);
+  await after(page, () => say(raw, 'surface skin visible=no'),
+              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  return raw;
+}
+
 /** Unfolds whatever can be, so that nothing hides. */
 export function unfold(page) {
   return page.evaluate(() => {

@@ -122,7 +122,7 @@ TEST_CASE("what loops or is skipped counts as often as it was executed") {
     });
 }
 
-TEST_CASE("parts are counted only for who asks, and the region is the same") {
+TEST_CASE("parts are counted only on request, and the region stays the same") {
     const WordList prologue = assembled("SETENABS\nCONSTintoMEM m0:32 0xFFFFFF00");
     const WordList end = assembled("ANYENAB\nSKIPIFNONE out\nout: PIXELSTOFB m0:8");
     const WordList words = triangles(3);

@@ -177,7 +177,7 @@ TEST_CASE("what is reported once is not reported again, and what the stages took
     CHECK(of(second, "gp-1").memory_bytes == of(first, "gp-1").memory_bytes);
 }
 
-TEST_CASE("who does not wait is told what came, and that others have not answered") {
+TEST_CASE("without waiting, activity has the answers so far and names the missing nodes") {
     Bench bench(2, 1);
     const ActivityReport first = bench.session.nodes.activity(AwaitAnswers::none);
     // One step of the ring brings a question to its node, and no answer.

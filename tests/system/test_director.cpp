@@ -30,7 +30,7 @@ void check_refined(const std::vector<serve::Shown>& frames, std::size_t first) {
 
 }  // namespace
 
-TEST_CASE("who joins is greeted, and hears of the volume and its first surface") {
+TEST_CASE("a viewer that joins is greeted, and hears of the volume and its first surface") {
     Theatre stage;
     CHECK(stage.watchers.last("hello")["role"] == "driver");
     const Json commands = stage.watchers.last("hello")["commands"];
@@ -239,7 +239,7 @@ TEST_CASE("a refinement is given up when something comes, and its picture is not
                        {0, 0}, {0, 1}, {0, 4}, {1, 0}, {1, 1}, {1, 4}, {1, 16}});
 }
 
-TEST_CASE("who scrolls through slices keeps the refined picture from nobody") {
+TEST_CASE("scrolling through slices does not hold up the refined picture") {
     Theatre stage;
     stage.watchers.frames.clear();
     stage.watchers.does(1, "view 10 20");
@@ -288,7 +288,7 @@ TEST_CASE("a question changes no revision and draws nothing") {
     CHECK(stage.watchers.frames.size() == frames);
 }
 
-TEST_CASE("who only watches changes nothing, and nobody ends the program from the page") {
+TEST_CASE("a watcher changes nothing, and no page can end the program") {
     Theatre stage;
     stage.watchers.says({{"id", 1}, {"do", "view 10 20"}}, Role::watcher);
     stage.watchers.says({{"id", 2}, {"ask", "scrub"}}, Role::watcher);

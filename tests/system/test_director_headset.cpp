@@ -215,7 +215,7 @@ TEST_CASE("the headset ends by null and with its viewer, and the state's picture
     }
 }
 
-TEST_CASE("who wears a headset alone gets the resting picture when it is taken off") {
+TEST_CASE("a lone viewer gets the resting picture when the headset is taken off") {
     HeadsetTheatre stage;
     stage.looks(1, 1);
     stage.settle();

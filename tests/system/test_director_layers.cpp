@@ -91,7 +91,7 @@ TEST_CASE("while the camera moves, the only transparent surface is a layer of it
     CHECK(layer(frame.depths, 1) == shows);
 }
 
-TEST_CASE("a state at rest gets layers once, and only for who asks") {
+TEST_CASE("a state at rest is drawn in layers once, and only if a viewer wants depths") {
     Theatre stage;
     const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
     stage.watchers.does(1, "surface " + name + " opacity=0.5");

@@ -126,7 +126,7 @@ class Server {
     void opened(std::string path);
 
     /// Takes the place of a frame that has not been sent yet. A viewer who joins later gets the
-    /// newest one, too. Drops a frame for one viewer who does not wear a headset any more.
+    /// newest one, too. Drops a pair if its viewer has taken the headset off.
     void show(Shown frame);
 
     /// From now on the viewer gets pairs and no frames for all; 0: no viewer wears a headset.

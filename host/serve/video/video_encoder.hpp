@@ -26,8 +26,8 @@ class VideoEncoder {
     VideoEncoder(const VideoEncoder&) = delete;
     VideoEncoder& operator=(const VideoEncoder&) = delete;
 
-    /// Encodes the next picture. The first picture, and each picture whose size differs from that
-    /// of the picture before, is a key frame.
+    /// Encodes the next picture. The first picture is a key frame, and so is each picture after a
+    /// change of the size.
     ///
     /// rgba        width * height pixels, top row first, red in the low byte; 1 to max_video_px
     ///             columns and rows.

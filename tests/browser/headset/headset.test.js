@@ -5,7 +5,7 @@ import { readFileSync } from 'node:fs';
 import test from 'node:test';
 import { browser, page, server, shoot, usePage } from '../harness.js';
 import { treeOf } from '../processes.js';
-import { after, rawSocket, say, settled, state, stateWhen } from '../steps.js';
+import { after, say, settled, socketWithoutSkin, state, stateWhen } from '../steps.js';
 import { figures, figuresWhen, leftView, lookThroughEyes, openWithHeadset, setHead, settledPair,
   wear, worn } from './emulated.js';
 
@@ -19,9 +19,7 @@ let raw;
 
 // A GP is stopped below, which is no failure of the machine here.
 usePage(['phantom:pelvis', 'resample=96x96x48', '--set', 'heartbeat.misses=0'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
 
 const wornHere = (act, options) => worn(browser, server.url, act, options);

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, page, server, shoot, usePage } from '../harness.js';
-import { after, rawSocket, say, state, stateWhen } from '../steps.js';
+import { after, say, socketWithoutSkin, state, stateWhen } from '../steps.js';
 import { figures, figuresWhen, leftView, settledPair, worn } from './emulated.js';
 
 const DISTANCE_M = 0.8;        // The page puts the patient there.
@@ -10,9 +10,7 @@ const DISTANCE_M = 0.8;        // The page puts the patient there.
 let raw;
 
 usePage(['phantom:pelvis', 'resample=96x96x48'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
 
 const wornHere = act => worn(browser, server.url, act);

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, launchBrowser, page, serve, server, shoot, usePage } from '../harness.js';
-import { after, rawSocket, say } from '../steps.js';
+import { after, say, socketWithoutSkin } from '../steps.js';
 import { loadModules } from '../warp/warping.js';
 import { openWithHeadset, setHead, settledPair, wear } from './emulated.js';
 import { comparePairs, keepPairs, loadPairs, warpedPair } from './pairs.js';
@@ -15,9 +15,7 @@ const MOST_UNKNOWN = 0.08;     // Share of the surface's pixels that only the ex
 let raw;
 
 usePage(['phantom:pelvis', 'resample=128x128x96'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
 
 /** A worn headset whose pairs are kept. */

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, usePage } from '../harness.js';
-import { after, middleOf, rawSocket, say, settled } from '../steps.js';
+import { after, middleOf, say, settled, socketWithoutSkin } from '../steps.js';
 import { pixelsOf, warpedAndLate } from '../warp/screen.js';
 import { keepFrames, loadModules } from '../warp/warping.js';
 
@@ -14,9 +14,7 @@ const LEAST_GAIN_DB = 4;     // Over the picture as it was.
 let raw;
 
 usePage(['phantom:pelvis', 'resample=96x96x72', '--set', 'heartbeat.misses=0'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
 
 test('at rest, the page composes exactly the picture of the host', async () => {

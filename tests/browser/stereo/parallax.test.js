@@ -3,15 +3,13 @@ import assert from 'node:assert/strict';
 import { createHash } from 'node:crypto';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
-import { after, drag, middleOf, rawSocket, say, settled, state, unfold } from '../steps.js';
+import { after, drag, middleOf, say, settled, socketWithoutSkin, state, unfold } from '../steps.js';
 
 const NEAR_PX = 1.5;  // From a click to its mark.
 let raw;
 
 usePage(['phantom:pelvis', 'resample=96x96x72'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
   await after(page, () => say(raw, 'view 20 10'));
   await unfold(page);
   await page.keyboard.press('Shift');  // Takes the first hint away.

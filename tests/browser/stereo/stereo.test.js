@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
-import { after, rawSocket, say, settled, state, unfold } from '../steps.js';
+import { after, say, settled, socketWithoutSkin, state, unfold } from '../steps.js';
 
 const SEED = Number(process.env.PXPL5_SEED ?? '1993');
 const NEAR_PX = 1.5;        // From a click to its mark: the click is within a pixel.
@@ -12,9 +12,7 @@ const CAMERA_PX = 0.02;     // Of a picked point, from the center of its pixel.
 let raw;
 
 usePage(['phantom:pelvis', 'resample=96x96x72'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
 
 /** Sets stereo and waits until the picture of this page's size rests. */

@@ -2,34 +2,19 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
-import { after, middleOf, rawSocket, say, settled, state } from '../steps.js';
-import { whileStopped } from './screen.js';
+import { after, middleOf, say, settled, socketWithoutSkin, state } from '../steps.js';
+import { keptOf, whileStopped } from './screen.js';
 import { hatchedPixels, keepFrames, loadModules } from './warping.js';
 
 const LEAST_HATCHED = 0.9;   // Share of the unknown pixels that show a surface.
 const MOST_FALSE = 0.25;     // Hatched pixels that show the background, per pixel of a surface.
-const TRIES = 10;
 
 let raw;
 
 // A GP is stopped below, which is no failure of the machine here.
 usePage(['phantom:pelvis', 'resample=128x128x96', '--set', 'heartbeat.misses=0'], async () => {
-  raw = await rawSocket(page, server.url);
-  await after(page, () => say(raw, 'surface skin visible=no'),
-              now => now.surfaces.some(({ name, visible }) => name === 'skin' && !visible));
+  raw = await socketWithoutSkin(page, server.url);
 });
-
-/** Shows a view; returns the number of the kept frame of one sample. */
-async function keptOf(page, view) {
-  for (let tries = 0; tries < TRIES; tries++) {
-    await after(page, () => say(raw, 'view 200 40'));
-    const { revision } = await after(page, () => say(raw, view));
-    const index = await page.evaluate(revision =>
-      globalThis.kept.findIndex(each => each.revision === revision), revision);
-    if (index >= 0) return index;
-  }
-  throw new Error(`${view}: no frame of one sample was sent in ${TRIES} tries`);
-}
 
 test('unknown surfaces are hatched, known ones never', async t => {
   const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
@@ -45,7 +30,8 @@ test('unknown surfaces are hatched, known ones never', async t => {
                   moved: [{ size: large }, { size: large, pan: [right + 25, up] }],
                   smaller: [{ size: large }, { size: 2 * zoom }] };
   for (const [name, [from, to]] of Object.entries(moves)) {
-    const pair = [await keptOf(keeping.page, viewOf(from)), await keptOf(keeping.page, viewOf(to))];
+    const pair = [await keptOf(raw, keeping.page, viewOf(from)),
+                  await keptOf(raw, keeping.page, viewOf(to))];
     const found = await keeping.page.evaluate(hatchedPixels, pair.map(index => ['kept', index]));
     t.diagnostic(`${name}: of ${found.covered} pixels with a surface ${found.unknown} are ` +
       `unknown, ${found.hatched} hatched; hatched before the background: ${found.false}`);

@@ -4,14 +4,11 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
 import { after, drag, middleOf, rawSocket, say, settled, state } from '../steps.js';
-import { pixelsOf, similarity, whileStopped } from './screen.js';
+import { checkWarped, LEAST_PSNR_DB, pixelsOf, similarity, whileStopped } from './screen.js';
 import { compareMoving, comparePictures, keepFrames, loadModules, meanSimilarity, sameSize,
          warpedFrame, watchMoving } from './warping.js';
 
-const LEAST_PSNR_DB = 28;   // Of a warped picture 5 degrees aside, in means of 4 x 4 pixels.
-const LEAST_GAIN_DB = 6;    // Over the picture as it was.
-const SCREEN_GAIN_DB = 3;   // The same on the screen, where the background counts, too.
-const MOST_UNKNOWN = 0.08;
+const SCREEN_GAIN_DB = 3;   // On the screen, where the background counts, too.
 const ROUNDING = 1;         // Of a blended channel.
 const TRIES = 10;
 
@@ -122,13 +119,7 @@ test('from a viewpoint aside, the warped layers are nearly the exact picture', a
       `pan=${pan_mm}`;
     const pair = await pairOf(keeping.page, words(from), words({ ...from, ...view }));
     const found = await keeping.page.evaluate(comparePictures, pair);
-    t.diagnostic(`${name}: ${found.warped_db.toFixed(1)} dB, as it was ` +
-      `${found.late_db.toFixed(1)} dB; unknown ${(100 * found.unknown).toFixed(2)} %; ` +
-      `of ${found.bytes} bytes ${found.depth_bytes} are depths`);
-    assert.ok(found.warped_db >= LEAST_PSNR_DB, `${name}: ${found.warped_db} dB`);
-    assert.ok(found.warped_db >= found.late_db + LEAST_GAIN_DB,
-              `${name}: ${found.warped_db} dB, as it was ${found.late_db} dB`);
-    assert.ok(found.unknown < MOST_UNKNOWN, `${name}: ${found.unknown} are unknown`);
+    checkWarped(t, name, found);
   }
   await keeping.close();
 });

@@ -1,8 +1,14 @@
 // Tests of warped pictures: stops the machine, and compares screenshots.
+import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
 import { byId, server, shoot } from '../harness.js';
 import { treeOf } from '../processes.js';
-import { settled } from '../steps.js';
+import { after, say, settled } from '../steps.js';
+
+export const LEAST_PSNR_DB = 28;  // A warped picture 5 degrees aside, in means of 4 x 4 pixels.
+const LEAST_GAIN_DB = 6;          // Over the picture as it was.
+const MOST_UNKNOWN = 0.08;        // Share of the surface that only the exact picture shows.
+const TRIES = 10;
 
 /** The processes of the GPs. */
 function gps() {
@@ -20,6 +26,36 @@ export async function whileStopped(act) {
   } finally {
     for (const pid of stopped) process.kill(pid, 'SIGCONT');
   }
+}
+
+/**
+ * Shows a view; returns the number of the frame of one sample that a page has kept. A refinement
+ * may have taken the place of the frame before it was sent: then the view is shown again.
+ */
+export async function keptOf(raw, keeping, view) {
+  for (let tries = 0; tries < TRIES; tries++) {
+    await after(keeping, () => say(raw, 'view 200 40'));
+    const { revision } = await after(keeping, () => say(raw, view));
+    const index = await keeping.evaluate(revision =>
+      globalThis.kept.findIndex(each => each.revision === revision), revision);
+    if (index >= 0) return index;
+  }
+  throw new Error(`${view}: no frame of one sample was sent in ${TRIES} tries`);
+}
+
+/**
+ * Checks a warped picture beside the exact one.
+ * @param t      The test.
+ * @param found  Result of comparePictures().
+ */
+export function checkWarped(t, name, found) {
+  t.diagnostic(`${name}: ${found.warped_db.toFixed(1)} dB, as it was ` +
+    `${found.late_db.toFixed(1)} dB; unknown ${(100 * found.unknown).toFixed(2)} %; ` +
+    `of ${found.bytes} bytes ${found.depth_bytes} are depths`);
+  assert.ok(found.warped_db >= LEAST_PSNR_DB, `${name}: ${found.warped_db} dB`);
+  assert.ok(found.warped_db >= found.late_db + LEAST_GAIN_DB,
+            `${name}: ${found.warped_db} dB, as it was ${found.late_db} dB`);
+  assert.ok(found.unknown < MOST_UNKNOWN, `${name}: ${found.unknown} are unknown`);
 }
 
 /** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */

@@ -69,7 +69,7 @@ class Access(Case):
                 WebSocket(self.server.url, headers={"Upgrade": upgrade})
         self.join()
 
-    def test_a_head_of_nonsense_hurts_nobody(self):
+    def test_a_head_of_nonsense_is_refused_and_others_go_on(self):
         for nonsense in (b"\r\n\r\n", b"GET\r\n\r\n", b"\x16\x03\x01" * 100, b"GET / HTTP/1.1\r\n",
                          b"GET /?" + b"a" * 20_000 + b" HTTP/1.1\r\n\r\n",
                          b"GET / HTTP/1.1\r\nCookie: " + b"c" * 20_000 + b"\r\n\r\n"):
@@ -150,7 +150,7 @@ class Strangers(Case):
 
 
 class Messages(Case):
-    def test_texts_go_to_who_asked_and_to_all(self):
+    def test_texts_go_to_the_viewer_that_asked_or_to_all(self):
         first, second = self.join(), self.join(self.server.watch_url)
         self.assertEqual(self.server.event(), "joined 1 driver")
         self.assertEqual(self.server.event(), "joined 2 watcher")
@@ -164,7 +164,7 @@ class Messages(Case):
         third.send('{"binary":100000}')
         self.assertEqual(third.receive(), b"b" * 100_000)
 
-    def test_who_joins_is_pinged_to_learn_how_far_away_it_is(self):
+    def test_a_viewer_is_pinged_when_it_joins_to_measure_the_latency(self):
         viewer = self.join()
         self.sync(viewer)
         while not viewer.pings:
@@ -231,7 +231,7 @@ class Messages(Case):
         self.join()
         self.assertEqual(self.server.event(), "joined 9 driver")
 
-    def test_who_does_not_read_is_closed_and_hurts_nobody(self):
+    def test_a_viewer_that_does_not_read_is_closed_and_others_go_on(self):
         deaf, other = self.join(receive_buffer=4096), self.join()
         for _ in range(20):
             try:

@@ -59,7 +59,7 @@ class Files(Case):
                             f"{parts.netloc}\r\nContent-Length: {5 << 30}\r\n\r\n").encode())
         self.assertIn(b" 413 ", connection.recv(65536).split(b"\r\n")[0])
 
-    def test_who_breaks_off_leaves_no_file(self):
+    def test_an_upload_that_breaks_off_leaves_no_file(self):
         parts = urllib.parse.urlsplit(self.server.url)
         connection = connect_to(self.server.url)
         connection.sendall((f"POST /upload?name=a&batch=b&{parts.query} HTTP/1.1\r\nHost: "
@@ -71,7 +71,7 @@ class Files(Case):
         left = [path for path in pathlib.Path(self.folder, "uploads").rglob("*") if path.is_file()]
         self.assertEqual(left, [])
 
-    def test_who_watches_may_neither_upload_nor_download(self):
+    def test_a_watcher_may_neither_upload_nor_download(self):
         token = urllib.parse.urlsplit(self.server.watch_url).query
         status, _, body = self.server.request("/upload?name=a&batch=b&" + token, method="POST",
                                               body=b"x", token=False)

@@ -43,7 +43,7 @@ class Frames(Case):
         self.assertEqual((head["flags"], head["digest"]), (1, 8))
         self.assertEqual(picture[:8], b"\x89PNG\r\n\x1a\n")
 
-    def test_depths_follow_the_picture_of_who_wants_them(self):
+    def test_depths_follow_the_picture_if_the_viewer_wants_them(self):
         plain, warps = self.join(), self.join()
         self.assertFalse(self.ask(plain, wants=0)["depths"])
         warps.send('{"depths":true}')
@@ -70,7 +70,7 @@ class Frames(Case):
         watcher.send('{"depths":true}')
         self.assertFalse(self.ask(warps, wants=0)["depths"])
 
-    def test_layers_are_blended_for_who_wants_no_depths(self):
+    def test_a_viewer_without_depths_gets_blended_layers(self):
         plain, warps = self.join(), self.join()
         warps.send('{"depths":true}')
         self.sync(warps)
@@ -85,7 +85,7 @@ class Frames(Case):
         second, = struct.unpack_from("<I", bytes_, head["picture_bytes"] + 4 + first)
         self.assertEqual(head["depth_bytes"], 8 + first + second)
 
-    def test_layers_of_the_resting_picture_go_to_who_warps(self):
+    def test_a_viewer_with_depths_gets_layers_after_the_resting_picture(self):
         plain, warps = self.join(), self.join()
         warps.send('{"depths":true}')
         self.sync(warps)
@@ -114,7 +114,7 @@ class Frames(Case):
         self.shown(viewer, head["number"])
         return head
 
-    def test_moving_pictures_are_video_for_who_wants_it_over_a_slow_link(self):
+    def test_moving_pictures_are_video_over_a_slow_link_if_the_viewer_wants_it(self):
         jpeg, png, video, key = 1, 2, 3, 8
         viewer = self.join()
         for revision in (1, 2, 3):
@@ -144,7 +144,7 @@ class Frames(Case):
             self.assertEqual(head["kind"], 1)
             self.shown(viewer, head["number"])
 
-    def test_who_does_not_show_frames_gets_two_and_then_the_newest(self):
+    def test_a_viewer_that_shows_no_frame_gets_two_and_then_the_newest(self):
         viewer = self.join()
         for revision in (1, 2):
             self.show(viewer, revision)
@@ -159,7 +159,7 @@ class Frames(Case):
         self.assertEqual((head["number"], head["revision"], head["flags"]), (3, 40, 1))
         self.assertTrue(self.ask(viewer, wants=0)["wants"])
 
-    def test_a_stalled_viewer_gets_the_newest_in_the_end_and_holds_nobody_up(self):
+    def test_a_stalled_viewer_gets_the_newest_in_the_end_and_others_go_on(self):
         stalled, other = self.join(receive_buffer=1 << 17), self.join()
         size = (640, 512)
         for revision in range(1, 61):
@@ -172,7 +172,7 @@ class Frames(Case):
         seen.append(self.frame(stalled)[0]["revision"])
         self.assertEqual((seen[0], seen[-1]), (1, 60))
 
-    def test_who_comes_late_or_again_gets_the_newest_frame(self):
+    def test_a_viewer_that_joins_late_or_again_gets_the_newest_frame(self):
         viewer = self.join()
         self.show(viewer, 5, rests=True)
         self.assertEqual(self.frame(viewer)[0]["number"], 1)
@@ -184,7 +184,7 @@ class Frames(Case):
     def pair(self, viewer, revision, pose, wearer=1, size=(64, 48)):
         viewer.send(json.dumps({"frame": [*size, revision, False, True, pose, wearer]}))
 
-    def test_a_pair_goes_to_who_wears_the_headset_and_frames_to_the_others(self):
+    def test_a_pair_goes_to_the_headset_and_frames_to_the_other_viewers(self):
         wearer, other = self.join(), self.join()
         self.pair(other, 1, 16)  # Nobody wears a headset yet.
         other.send('{"wear":[1,6144]}')
@@ -216,7 +216,7 @@ class Frames(Case):
         self.assertEqual((head["revision"], head["pose"], head["views"]), (3, 0, 1))
         self.assertFalse(self.ask(other, wants=0)["pair"])
 
-    def test_a_wearer_who_leaves_wants_no_pair_and_holds_nobody_up(self):
+    def test_after_the_headset_has_left_no_pair_is_wanted_and_others_go_on(self):
         wearer, other = self.join(), self.join()
         other.send('{"wear":[1,6144]}')
         self.sync(other)

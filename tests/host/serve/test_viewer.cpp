@@ -61,7 +61,7 @@ TEST_CASE("more than 8 MiB in wait for a viewer close it, one large message does
     CHECK_FALSE(viewer.has_messages());
 }
 
-TEST_CASE("who warps pictures gets the layers of the resting picture once") {
+TEST_CASE("a viewer with depths gets the layers of the resting picture once") {
     Viewer viewer(1, Role::driver);
     viewer.line_up(text(1));
     viewer.next_message();
@@ -109,7 +109,7 @@ TEST_CASE("a viewer takes each frame once, and no third while two are unacknowle
     CHECK(viewer.takes(frame(10)));
 }
 
-TEST_CASE("who asks for depths after a frame was sent gets the frame again, if it has depths") {
+TEST_CASE("a viewer that asks for depths late gets the newest frame again, with its depths") {
     Viewer viewer(1, Role::driver);
     viewer.line_up({.viewer = 1, .binary = false, .bytes = std::make_shared<std::string>("hi")});
     viewer.next_message();
@@ -209,7 +209,7 @@ TEST_CASE("a frame is wanted only by who has seen that a newer one is there") {
     CHECK(mail.wants_frame());
 }
 
-TEST_CASE("who wears a headset gets pairs, the others frames for all, and neither misses one") {
+TEST_CASE("the headset gets pairs, other viewers frames for all, and neither misses one") {
     Mail mail;
     int woken = 0;
     mail.wake_server = [&] { ++woken; };

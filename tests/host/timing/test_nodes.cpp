@@ -106,7 +106,7 @@ TEST_CASE("words without a primitive are somebody's, too") {
     CHECK(words == 5);
 }
 
-TEST_CASE("who has no primitive of a list has no word of it") {
+TEST_CASE("a node without primitives of a list has no word of the list") {
     Deal deal(36);
     std::size_t hands = 0;
     deal({0, 3, 102, 696}, [&](const Hand& hand) {

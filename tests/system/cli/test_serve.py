@@ -264,7 +264,7 @@ class Serve(Case):
         self.assertRegex(str(viewer.texts), r"renderer-0 \(process \d+\) does not answer")
         self.assertEqual(viewer.do("digest")["result"], before)
 
-    def test_who_watches_sees_and_changes_nothing(self):
+    def test_a_watcher_sees_and_changes_nothing(self):
         program = self.program("phantom:sphere")
         watcher = self.viewer(program.watch_url)
         self.assertEqual(watcher.next()["hello"]["role"], "watcher")

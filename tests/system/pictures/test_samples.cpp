@@ -79,7 +79,7 @@ TEST_CASE("a pass shows what lies at its offset: moving the samples moves the pi
     CHECK(at(first, 1) == doctest::Approx(-6.0 / 16 * 2 / 150));
 }
 
-TEST_CASE("who says no between two passes gets no picture, and the next is as ever") {
+TEST_CASE("a drawing that is canceled between two passes gives no picture, and the next is right") {
     LettersBench bench(2, 2);
     const Pixels plain = bench.session.frames.draw().rgba;
     const Pixels fine = bench.session.frames.draw_samples(16)->rgba;

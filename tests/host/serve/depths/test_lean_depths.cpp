@@ -23,6 +23,17 @@ std::uint32_t word_of(std::uint32_t depth, std::uint32_t surface = 1) {
     return depth << 8U | surface;
 }
 
+constexpr std::uint32_t near_depth = last_depth / 4, far_depth = last_depth / 2;
+
+/// The left half is near, the right half far.
+Depths near_at_left(std::size_t width, std::size_t height) {
+    Depths depths;
+    for (std::size_t i = 0; i < width * height; ++i) {
+        depths.push_back(word_of(i % width < width / 2 ? near_depth : far_depth));
+    }
+    return depths;
+}
+
 LeanDepths lean_of(const DepthPicture& picture) {
     return lean_depths(picture.width, picture.height, picture.depths);
 }
@@ -120,9 +131,8 @@ TEST_CASE("depths are linear in z after the division by w, 12 bits from near to 
 
 TEST_CASE("a corner takes the pixels that touch it before the cells around it") {
     Depths depths(8 * 8, 0);
-    const std::uint32_t far = last_depth / 2, near = last_depth / 4;
-    depths[3 * 8 + 3] = word_of(far);  // Touches the corner in the middle.
-    depths[0] = word_of(near);         // Lies in the same cell.
+    depths[3 * 8 + 3] = word_of(far_depth);  // Touches the corner in the middle.
+    depths[0] = word_of(near_depth);         // Lies in the same cell.
     const LeanDepths lean = lean_depths(8, 8, depths);
     REQUIRE(lean.columns == 3);
     const double middle = (lean.corners[4] - 0.5) / max_lean;
@@ -132,38 +142,28 @@ TEST_CASE("a corner takes the pixels that touch it before the cells around it") 
 }
 
 TEST_CASE("a cell with two surfaces is a seam, each with its pixels and its depth") {
-    const std::uint32_t near = last_depth / 4, far = last_depth / 2;
-    Depths depths(12 * 12, word_of(far));
-    for (std::size_t y = 0; y < 12; ++y) {
-        std::fill_n(depths.begin() + static_cast<std::ptrdiff_t>(12 * y), 6, word_of(near));
-    }
-    const LeanDepths lean = lean_depths(12, 12, depths);
+    const LeanDepths lean = lean_depths(12, 12, near_at_left(12, 12));
     REQUIRE(lean.seams.size() == 3);  // The middle column of cells.
     for (std::uint32_t row = 0; row < 3; ++row) {
         const Seam& seam = lean.seams[row];
         CHECK(seam.cell == 3 * row + 1);
         CHECK(seam.near_pixels == 0x3333);  // The left two of each four pixels.
         for (std::size_t corner = 0; corner < 4; ++corner) {
-            CHECK(seam.near[corner] == lean_of(near));
-            CHECK(seam.far[corner] == lean_of(far));
+            CHECK(seam.near[corner] == lean_of(near_depth));
+            CHECK(seam.far[corner] == lean_of(far_depth));
         }
     }
 }
 
 TEST_CASE("the far cell beside an edge has corners of its own") {
-    const std::uint32_t near = last_depth / 4, far = last_depth / 2;
-    Depths depths(8 * 4, word_of(far));
-    for (std::size_t y = 0; y < 4; ++y) {
-        std::fill_n(depths.begin() + static_cast<std::ptrdiff_t>(8 * y), 4, word_of(near));
-    }
-    const LeanDepths lean = lean_depths(8, 4, depths);
-    CHECK(lean.corners[1] == lean_of(near));  // Both surfaces touch this corner.
+    const LeanDepths lean = lean_depths(8, 4, near_at_left(8, 4));
+    CHECK(lean.corners[1] == lean_of(near_depth));  // Both surfaces touch this corner.
     REQUIRE(lean.seams.size() == 1);
     CHECK(lean.seams[0].cell == 1);
     CHECK(lean.seams[0].near_pixels == 0);
     CHECK(lean.seams[0].near == lean.corners_of(1));
     for (const std::uint16_t depth : lean.seams[0].far) {
-        CHECK(depth == lean_of(far));
+        CHECK(depth == lean_of(far_depth));
     }
 }
 

@@ -79,7 +79,7 @@ class SlicesByGps(unittest.TestCase):
         return {key: value for key, value in reply["result"].items()
                 if not key.endswith(drop)}
 
-    def test_pictures_and_picks_do_not_depend_on_who_reads(self):
+    def test_pictures_and_picks_are_the_same_whether_host_or_gps_read(self):
         lines = ["surface ball iso=450", *[line.format("{}") for line in PICTURES],
                  "pick 250 250", "pick 256 256"]
         answers = {}
