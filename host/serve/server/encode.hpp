@@ -38,8 +38,8 @@ std::string jpeg_of(int width, int height, std::span<const std::uint32_t> rgba,
 /// opacity + behind * (16 - opacity)) / 16, halves rounded up. This is the mean of the pixels of a
 /// screen door, each of which shows one of the layers.
 ///
-/// rgba     Of each view the layer behind, then the layer in front.
-/// opacity  Of the layer in front, sixteenths.
+/// rgba     For each view: the layer behind, then the layer in front.
+/// opacity  Opacity of the layer in front, sixteenths.
 std::vector<std::uint32_t> blended(std::span<const std::uint32_t> rgba, int views, int opacity);
 
 }  // namespace pxpl5::host::serve

@@ -62,7 +62,7 @@ class LinkRate {
         double sent_ms = 0;
         PictureKind kind = PictureKind::jpeg;
     };
-    /// Each measurement halves what older ones weigh.
+    /// Each measurement lowers the weight of older ones to 0.8.
     struct Rate {
         double bytes = 0, ms = 0;
         void add(double more_bytes, double more_ms);

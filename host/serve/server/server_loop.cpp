@@ -144,7 +144,8 @@ void Loop::advise() {
         }
         if (viewer.number == wearer.viewer) {
             wants.pair = viewer.wants_newer(*newest_pair);
-            advice.pair_scale = viewer.link.scale(wearer.pair_pixels);
+            const auto layers = static_cast<std::size_t>(newest_pair->shown.layers);
+            advice.pair_scale = viewer.link.scale(layers * wearer.pair_pixels);
             continue;
         }
         wants.frame = wants.frame || viewer.wants_newer(*newest);

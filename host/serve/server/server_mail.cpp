@@ -83,6 +83,9 @@ void Mail::show(Shown frame) {
 void Mail::wear(std::uint32_t viewer, std::size_t pair_pixels) {
     {
         const std::scoped_lock lock(mutex_);
+        if (viewer == wearer_.viewer && pair_pixels == wearer_.pair_pixels) {
+            return;  // Only the pose is newer.
+        }
         if (viewer != wearer_.viewer) {
             NewestFrame none;
             none.shown.viewer = viewer;

@@ -30,8 +30,7 @@ struct NewestFrame {
 
 /// The frames that viewers would take now.
 struct Wants {
-    bool frame =
-        false;  ///< Some viewer accepts a frame for all that is newer than `frame_sequence`.
+    bool frame = false;  ///< Some viewer accepts a newer frame for all.
     std::uint64_t frame_sequence = 0;
     bool pair = false;  ///< The wearer of the headset accepts a newer pair.
     std::uint64_t pair_sequence = 0;

@@ -285,11 +285,14 @@ Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& shown, const OnePic
 
 /// One place is kept for a driver.
 bool Loop::has_place_for_video(const Viewer& viewer) const {
-    const auto has_video = [](const auto& each) { return each.second.viewer.video != nullptr; };
-    const std::size_t most =
-        viewer.role == Role::watcher ? max_video_viewers - 1 : max_video_viewers;
-    return viewer.video ||
-           static_cast<std::size_t>(std::ranges::count_if(sockets_, has_video)) < most;
+    std::size_t all = 0, watchers = 0;
+    for (const auto& [connection, socket] : sockets_) {
+        const bool has_video = socket.viewer.video != nullptr;
+        all += has_video ? 1 : 0;
+        watchers += has_video && socket.viewer.role == Role::watcher ? 1 : 0;
+    }
+    return viewer.video || (all < max_video_viewers &&
+                            (viewer.role == Role::driver || watchers + 1 < max_video_viewers));
 }
 
 bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes) {

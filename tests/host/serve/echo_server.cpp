@@ -82,6 +82,7 @@ void obey(serve::Server& server, const serve::Said& said) {
         server.send(said.viewer, Json{{"wants", server.wants_frame()},
                                       {"pair", server.wants_pair()},
                                       {"scale", server.advice().scale},
+                                      {"pair_scale", server.advice().pair_scale},
                                       {"depths", server.advice().wants_depths}}
                                      .dump());
     }

@@ -1,5 +1,6 @@
 // Messages of a headset: which eyes are accepted, and what the refusals say.
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <string>
 #include <utility>

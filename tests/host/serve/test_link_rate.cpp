@@ -34,6 +34,7 @@ struct Screen {
     bool takes_video = false;
     double display_ms = 0;            ///< Time to decode and display a frame.
     double video_bytes_needed = 1e9;  ///< At the best quality of the encoder.
+    double depth_bytes_per_pixel = 0;
 };
 
 constexpr std::size_t full_pixels = 512 * 512;
@@ -79,6 +80,8 @@ Outcome drive(LinkRate& rate, Pipe& pipe, double begin_ms, const Screen& screen 
         if (outcome.is_video) {
             const double most = screen.video_bytes_needed * scale * scale;
             outcome.bytes = std::min(rate.video_bytes(), static_cast<std::size_t>(most));
+            rate.encoded_depths(pixels, static_cast<std::size_t>(screen.depth_bytes_per_pixel *
+                                                                 static_cast<double>(pixels)));
             rate.sent(++number, outcome.bytes, now, PictureKind::vp8);
         } else {
             outcome.quality = rate.quality(pixels);
@@ -273,6 +276,13 @@ TEST_CASE("acknowledgements of what was never sent, or twice, change nothing") {
     rate.shown(7, 10);
     rate.shown(7, 20);
     CHECK(rate.bytes_per_s() == doctest::Approx(100'000));
+}
+
+TEST_CASE("depths that fill a slow link make video frames smaller") {
+    Screen crowded;
+    crowded.takes_video = true;
+    crowded.depth_bytes_per_pixel = 0.05;
+    CHECK(drive(2e5, 10, crowded).scale == 0.5);
 }
 
 }  // namespace pxpl5::host::serve

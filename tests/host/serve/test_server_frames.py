@@ -108,11 +108,15 @@ class Frames(Case):
         """The head of a moving frame that takes its time to the viewer."""
         self.show(viewer, revision, size=size)
         head, _ = self.frame(viewer)
-        end = time.monotonic() + 0.2  # 3 kB in this time are 15 kB/s.
-        while time.monotonic() < end:
-            self.server.request("/icon.svg")
+        self.take_time()
         self.shown(viewer, head["number"])
         return head
+
+    def take_time(self):
+        """Makes requests for 0.2 s: frames of 3 kB then seem to come at 15 kB/s."""
+        end = time.monotonic() + 0.2
+        while time.monotonic() < end:
+            self.server.request("/icon.svg")
 
     def test_moving_pictures_are_video_over_a_slow_link_if_the_viewer_wants_it(self):
         jpeg, png, video, key = 1, 2, 3, 8
@@ -134,6 +138,19 @@ class Frames(Case):
         viewer.send('{"video":false}')
         self.shown(viewer, head["number"])
         self.assertEqual(self.moving_on_slow_link(viewer, 10)["kind"], jpeg)
+
+    def test_two_viewers_get_video_and_at_most_one_of_them_is_a_watcher(self):
+        viewers = [self.join(self.server.watch_url), self.join(self.server.watch_url), self.join()]
+        for viewer in viewers:
+            viewer.send('{"video":true}')
+        for revision in range(1, 6):
+            self.show(viewers[2], revision)
+            heads = [self.frame(viewer)[0] for viewer in viewers]
+            self.take_time()
+            for viewer, head in zip(viewers, heads):
+                self.shown(viewer, head["number"])
+        kinds = [head["kind"] for head in heads]
+        self.assertEqual((sorted(kinds[:2]), kinds[2]), ([1, 3], 3))
 
     def test_a_fast_link_gets_no_video(self):
         viewer = self.join()

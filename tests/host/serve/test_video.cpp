@@ -88,7 +88,7 @@ TEST_CASE("a frame that is not a key cannot be decoded without those before it")
     CHECK(Decoder().decode(encoder.encode(64, 48, ball(64, 48, 1), plenty).bytes).empty());
 }
 
-TEST_CASE("frames have the size that they may have, and follow when it changes") {
+TEST_CASE("frames have the bytes of the goal on average, also after the goal changes") {
     VideoEncoder encoder;
     int step = 0;
     const auto mean_bytes = [&](std::size_t goal) {
