@@ -29,15 +29,14 @@ Picture picture_of(const WholeFrame& done, StereoMode stereo) {
                 {done.depths.begin(), done.depths.end()},
                 done.views};
     }
-    const Size size = composed_size(done.view, stereo);
-    return {size.width, size.height, composed(done.pixels, done.view, stereo)};
+    return composed_picture(done.pixels, done.view, stereo);
 }
 
 }  // namespace
 
-Picture composed_picture(const Picture& pair, StereoMode stereo) {
-    const Size eye{pair.width, pair.height}, size = composed_size(eye, stereo);
-    return {size.width, size.height, composed(pair.rgba, eye, stereo)};
+Picture composed_picture(std::span<const std::uint32_t> pair, Size eye, StereoMode stereo) {
+    const Size size = composed_size(eye, stereo);
+    return {size.width, size.height, composed(pair, eye, stereo)};
 }
 
 Frames::Frames(Conversation& conversation, Scene& scene, const Volumes& volumes, Nodes& nodes)

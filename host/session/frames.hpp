@@ -36,8 +36,11 @@ enum class PairForm : std::uint8_t {
     apart      ///< Two views.
 };
 
-/// A picture of two views as one.
-Picture composed_picture(const Picture& pair, StereoMode stereo);
+/// A pair as one picture.
+///
+/// pair  The left eye's pixels, then the right eye's.
+/// eye   Size of the picture of one eye.
+Picture composed_picture(std::span<const std::uint32_t> pair, Size eye, StereoMode stereo);
 
 /// A frame, and the counts that each GP and Renderer reports.
 struct CountedFrame {

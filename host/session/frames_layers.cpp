@@ -48,10 +48,10 @@ std::optional<Frames::Layers> Frames::draw_layers_of(const Scene& scene, Stage p
     }
     drop_ahead();
     part.surfaces = layers->behind;
-    request(scene, part, ReadBack::pixels_and_depths, {}, false, PairForm::apart);
+    request(scene, part, ReadBack::pixels_and_depths);
     const std::int64_t started_ns = pending_.back().started_ns;
     part.surfaces = {&layers->front, 1};
-    request(scene, part, ReadBack::pixels_and_depths, {}, false, PairForm::apart);
+    request(scene, part, ReadBack::pixels_and_depths);
     pending_.back().is_front = true;
     pending_.back().started_ns = started_ns;
     wait_until_pending(0);

@@ -322,7 +322,8 @@ TEST_CASE("a machine that dies while it draws a pair, or before, is started agai
     CHECK(*stage.watchers.frames[0].pixels == before);
 }
 
-TEST_CASE("eyes that come, and a headset that is taken off, while a pair is drawn") {
+TEST_CASE(
+    "eyes that arrive while a pair is drawn come next, also after the headset was taken off") {
     HeadsetTheatre stage;
     stage.watchers.frames.clear();
     stage.during = [&] { stage.looks(2, 2); };

@@ -1,5 +1,4 @@
-// The director's frames while one surface is transparent: two layers, of which one lies over the
-// other.
+// The frames of the director while one surface is transparent or the link is slow: layers, sizes.
 #include <doctest/doctest.h>
 
 #include <array>
@@ -167,4 +166,19 @@ TEST_CASE("with one transparent surface each eye has two layers, with more they 
         newest_after({"surface " + name + " visible=no", "surface second visible=no"});
     CHECK(*both.pixels == *alone.pixels);
     CHECK(*both.pixels != *third.pixels);
+}
+
+TEST_CASE("on a slow link moving pictures are smaller, but not alternate rows") {
+    Theatre stage;
+    stage.watchers.scale = 0.5;
+    const auto moving_width = [&](int id, const std::string& line) {
+        stage.watchers.frames.clear();
+        stage.watchers.does(id, line);
+        stage.settle();
+        REQUIRE(!stage.watchers.frames.empty());
+        REQUIRE(!stage.watchers.frames[0].rests);
+        return stage.watchers.frames[0].width;
+    };
+    CHECK(moving_width(1, "stereo sbs") == 2 * 64);
+    CHECK(moving_width(2, "stereo rows") == 128);
 }

@@ -54,7 +54,7 @@ class Watchers final : public Audience {
     }
     bool wants_frame() const override { return takes_frames; }
     bool wants_pair() const override { return takes_pairs; }
-    LinkAdvice advice() const override { return {1, wants_depths, pair_scale}; }
+    LinkAdvice advice() const override { return {scale, wants_depths, pair_scale}; }
 
     void says(const Json& message, Role role = Role::driver, std::uint32_t viewer = 1) {
         events.emplace_back(Said{viewer, role, message.dump()});
@@ -90,6 +90,7 @@ class Watchers final : public Audience {
     std::vector<std::pair<std::uint32_t, std::size_t>> wearers;  ///< The calls of wear().
     bool takes_frames = true, takes_pairs = true;
     bool wants_depths = false;
+    double scale = 1;
     double pair_scale = 1;
     bool scrolls = false;  ///< A second viewer, who asks for slices without end.
     std::function<void(const serve::Shown&)> on_show;  ///< Called for each frame; may be empty.

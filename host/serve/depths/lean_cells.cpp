@@ -9,7 +9,7 @@ constexpr std::size_t side = lean_cell_px;
 constexpr std::size_t block_px = 32;  ///< Width of a row of cells that are tested together.
 
 /// Whether one of the pixels shows a surface.
-bool show_surface(std::span<const std::uint32_t, block_px> words) {
+bool any_shows_surface(std::span<const std::uint32_t, block_px> words) {
     std::uint32_t all = 0;
     for (const std::uint32_t word : words) {
         all |= word;
@@ -54,7 +54,7 @@ class CellRow {
     bool shows_block(std::size_t x) const {
         bool shows = false;
         for (std::size_t y = 0; y < down_ && !shows; ++y) {
-            shows = show_surface(words_.subspan(y * width_ + x).first<block_px>());
+            shows = any_shows_surface(words_.subspan(y * width_ + x).first<block_px>());
         }
         return shows;
     }

@@ -133,7 +133,7 @@ class Director {
     bool has_onlookers() const;
     bool is_pair_due() const;
     bool draw_pair();
-    void show_pair(Shown frame);
+    void send_drawn(Shown frame);
     double rest_due_ms() const;
     void draw_as_moving(const std::function<void()>& draw);
     bool draw_moving();

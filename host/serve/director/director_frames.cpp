@@ -35,9 +35,10 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     if (picture.views == 1) {
         frame.digest = rests ? picture_digest(picture) : 0;
     } else if (rests) {  // The digest is that of the written picture.
-        const Picture whole = composed_picture(picture, session_->scene.stereo.mode);
+        Picture whole = composed_picture(picture.rgba, {picture.width, picture.height},
+                                         session_->scene.stereo.mode);
         frame.digest = picture_digest(whole);
-        frame.as_one = [one = one_picture(whole)] { return one; };
+        frame.as_one = [one = one_picture(std::move(whole))] { return one; };
     }
     frame.views = picture.views;
     frame.width = picture.width;
@@ -46,7 +47,7 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     if (picture.views == 2 && !rests) {
         frame.as_one = [pixels = frame.pixels, width = picture.width, height = picture.height,
                         stereo = session_->scene.stereo.mode] {
-            return one_picture(composed_picture({width, height, *pixels}, stereo));
+            return one_picture(composed_picture(*pixels, {width, height}, stereo));
         };
     }
     if (!picture.depths.empty()) {
@@ -69,10 +70,8 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
 
 void Director::show_frame(Shown frame) {
     frame.revision = revision_;
-    frame.moved_mm = session_->frames.last().moved_mm;
-    frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
     shown_.camera = session_->scene.camera;
-    audience_.show(std::move(frame));
+    send_drawn(std::move(frame));
 }
 
 /// Draws a moving picture whose only transparent surface is a layer of its own. Returns false if

@@ -135,7 +135,7 @@ bool Director::draw_pair() {
     const std::int64_t start_ns = parts_.clock_ns();
     std::uint32_t revision = revision_;
     std::optional<Shown> pair;
-    std::string failure = "eyes: the pair could not be drawn; a message before says why";
+    std::string failure = "eyes: the pair was not drawn. The error before this one has the reason";
     guard("drawing", [&] {
         revision = revision_;
         if (!has_picture()) {
@@ -164,12 +164,13 @@ bool Director::draw_pair() {
     pair->viewer = wish.viewer;
     pair->pose = eyes.pose;
     pair->revision = revision;
-    show_pair(std::move(*pair));
+    send_drawn(std::move(*pair));
     answer_eyes(wish.viewer, wish.id, false);
     return true;
 }
 
-void Director::show_pair(Shown frame) {
+/// Sends a frame that was just drawn.
+void Director::send_drawn(Shown frame) {
     frame.moved_mm = session_->frames.last().moved_mm;
     frame.machine_ms = static_cast<float>(session_->frames.last().elapsed_ms);
     audience_.show(std::move(frame));

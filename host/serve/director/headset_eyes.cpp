@@ -22,8 +22,8 @@ using Json = nlohmann::json;
 
 constexpr std::size_t elements = 16;
 constexpr double exact = 1e-6;  ///< Error of an element that must be 0, 1 or -1.
-constexpr double min_scale =
-    0.01;  ///< Least element of a projection: a field of view of 179 degrees.
+/// Least element of a projection: a field of view of 179 degrees.
+constexpr double min_scale = 0.01;
 constexpr double max_scale = 1000;   ///< A field of view of 0.1 degrees.
 constexpr double max_offset = 1000;  ///< Place of the middle, in halves of the picture.
 
@@ -79,14 +79,18 @@ struct Matrix {
     }
 };
 
+/// The kind of a value, for errors: "a list of 3 elements" or "string".
+std::string kind_of(const Json& value) {
+    return value.is_array() ? fmt::format("a list of {} elements", value.size())
+                            : value.type_name();
+}
+
 Matrix matrix_of(const Json& eye, const std::string& path, const char* key) {
     const Json& list = part(eye, path, key);
     Matrix matrix{fmt::format("{}.{}", path, key)};
     if (!list.is_array() || list.size() != elements) {
-        const std::string given =
-            list.is_array() ? fmt::format("{} elements", list.size()) : list.type_name();
         refuse_command(fmt::format("message: {} is {}, must be 16 numbers, column by column",
-                                   matrix.name, list.is_array() ? "a list of " + given : given));
+                                   matrix.name, kind_of(list)));
     }
     for (std::size_t i = 0; i < elements; ++i) {
         if (!list[i].is_number() || !std::isfinite(list[i].get<double>())) {
