@@ -128,9 +128,9 @@ test('a frame\'s header is taken apart; what is cut off is refused', () => {
   assert.throws(() => parseFrame(new ArrayBuffer(55)), /55 bytes, its header has 56/);
   assert.throws(() => parseFrame(view.buffer.slice(0, 69)), /69 bytes, .* end at 70/);
   view.setUint8(65, 2);
-  assert.throws(() => parseFrame(view.buffer), /the depths of picture 2 end after byte 70/);
+  assert.throws(() => parseFrame(view.buffer), /picture 2 end at byte 71, but the frame has 70/);
   view.setUint8(65, 0);  // A third picture, of which one byte is left.
-  assert.throws(() => parseFrame(view.buffer), /the depths of picture 3 end after byte 70/);
+  assert.throws(() => parseFrame(view.buffer), /picture 3 end at byte 73, but the frame has 70/);
   view.setUint8(65, 1);
   view.setUint8(16, 9);
   assert.throws(() => parseFrame(view.buffer), /kind 9/);

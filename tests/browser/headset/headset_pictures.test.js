@@ -5,7 +5,8 @@ import test from 'node:test';
 import { browser, launchBrowser, page, serve, server, shoot, usePage } from '../harness.js';
 import { after, say, socketWithoutSkin } from '../steps.js';
 import { loadModules } from '../warp/warping.js';
-import { openWithHeadset, setHead, settledPair, wear } from './emulated.js';
+import { figures, figuresWhen, openWithHeadset, setHead, settledPair, wear }
+  from './emulated.js';
 import { comparePairs, keepPairs, loadPairs, warpedPair } from './pairs.js';
 
 const LEAST_PSNR_DB = 28;      // 3 cm aside, in means of 4 x 4 pixels.
@@ -87,11 +88,13 @@ test('a change of the scene leads to a new pair of the same pose', async () => {
   const of = pose => own.page.evaluate(pose =>
     new DataView(globalThis.pairs.get(pose).message).getUint32(8, true), pose);
   const before = await of(pose);
+  const { pairs } = await figures(own.page);
   const { revision } = await after(page, () => say(raw, 'surface bone color=#ff8800'));
   assert.ok(revision > before);
   await own.page.waitForFunction(([pose, revision]) =>
     new DataView(globalThis.pairs.get(pose).message).getUint32(8, true) >= revision,
     [pose, revision]);
+  await figuresWhen(own.page, (now, pairs) => now.pairs > pairs, pairs);
   await shoot(own.page, 'headset-orange');
   await after(page, () => say(raw, 'undo'));
   await own.close();

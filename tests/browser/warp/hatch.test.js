@@ -40,6 +40,7 @@ test('unknown surfaces are hatched, known ones never', async t => {
       assert.deepEqual([found.unknown, found.hatched, found.false], [0, 0, 0]);
       continue;
     }
+    assert.ok(found.unknown > 50, `${name}: ${found.unknown} are unknown`);
     assert.ok(found.hatched >= LEAST_HATCHED * found.unknown,
               `${name}: ${found.hatched} of ${found.unknown} are hatched`);
     assert.ok(from.size || found.false <= MOST_FALSE * found.covered,
@@ -48,6 +49,25 @@ test('unknown surfaces are hatched, known ones never', async t => {
   await keeping.close();
 });
 
+/** How many pixels of a screenshot have the color of the hatch's lines. */
+function inkOf(page, screenshot) {
+  return page.evaluate(async file => {
+    const bytes = Uint8Array.from(atob(file), each => each.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes]));
+    const context = new OffscreenCanvas(bitmap.width, bitmap.height).getContext('2d');
+    context.drawImage(bitmap, 0, 0);
+    const { data } = context.getImageData(0, 0, bitmap.width, bitmap.height);
+    const { background } = globalThis.pxpl5.state;  // Dark here: the ink is light.
+    const lines = [1, 3, 5].map(at => 0.6 * parseInt(background.slice(at, at + 2), 16)
+      + 0.4 * 204);
+    let count = 0;
+    for (let at = 0; at < data.length; at += 4) {
+      count += lines.every((part, k) => Math.abs(data[at + k] - part) <= 3) ? 1 : 0;
+    }
+    return count;
+  }, screenshot.toString('base64'));
+}
+
 test('a large drag without the machine shows the hatch, and the status line explains it',
      async () => {
   await after(page, () => say(raw, 'view anterior fit=yes'));
@@ -55,6 +75,7 @@ test('a large drag without the machine shows the hatch, and the status line expl
   const at = await middleOf(byId('stage'));
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
+  const before = await inkOf(page, await byId('stage').screenshot());
   await whileStopped(async () => {
     for (const [name, x, y] of [['small', 12, 4], ['large', 60, 20]]) {
       await page.mouse.move(at.x + x, at.y + y, { steps: 4 });
@@ -62,6 +83,8 @@ test('a large drag without the machine shows the hatch, and the status line expl
       await page.evaluate(() => new Promise(requestAnimationFrame));
       await shoot(page, `warp-hatched-${name}`);
     }
+    const ink = await inkOf(page, await byId('stage').screenshot());
+    assert.ok(ink > before + 500, `${ink} pixels have the color of hatch lines, ${before} before`);
     assert.match(await byId('badge-quality').getAttribute('title'), /Hatched parts are not known/);
   });
   await page.mouse.up();

@@ -1,5 +1,5 @@
 // The pairs of pictures: asks for the newest poses only, and keeps the newest pair.
-import {LIMITS} from '../link/vocabulary.js';
+import {bitmapOfFile, opacitiesOf} from '../picture/bitmaps.js';
 import {unpack} from '../picture/lean_depths.js';
 import {multiply} from '../picture/camera.js';
 
@@ -57,6 +57,8 @@ export class Pairs {
     this.asked_ = new Map();
     /** @private The pose under way; 0 if the next may go out. */
     this.underWay_ = 0;
+    /** @private From this time the next pose may go out, although one is under way. */
+    this.freeAt_ = 0;
     /** @private Nothing is sent before this time. */
     this.waitsUntil_ = 0;
     /** @private @type {Frame | null} */
@@ -81,7 +83,7 @@ export class Pairs {
   get isFree() {
     const now = performance.now();
     return this.connection_.connected && this.connection_.hello !== null
-      && now >= this.waitsUntil_ && this.underWay_ === 0;
+      && now >= this.waitsUntil_ && (this.underWay_ === 0 || now >= this.freeAt_);
   }
 
   /**
@@ -95,7 +97,7 @@ export class Pairs {
     this.asked_.set(pose, {pose, windows, seenAt, sentAt: performance.now()});
     this.underWay_ = pose;
     this.isKnown = true;
-    this.freeAfter_(pose, PATIENCE_MS);
+    this.freeAt_ = performance.now() + PATIENCE_MS;
     void this.connection_.eyes({pose, size, left: windows[0], right: windows[1]}).then(reply => {
       if (this.underWay_ !== pose) {
         return;
@@ -109,23 +111,10 @@ export class Pairs {
         this.tell_(reply.error ?? '');
       } else {
         this.tell_('');
-        this.freeAfter_(pose, SILENT_MS);  // A newer frame may take the place of the pair.
+        // A newer frame may take the place of the pair.
+        this.freeAt_ = performance.now() + SILENT_MS;
       }
     });
-  }
-
-  /**
-   * Lets the next poses go out, if the pair of this pose has not come by then.
-   * @private
-   * @param {number} pose
-   * @param {number} ms
-   */
-  freeAfter_(pose, ms) {
-    setTimeout(() => {
-      if (this.underWay_ === pose) {
-        this.underWay_ = 0;
-      }
-    }, ms);
   }
 
   /**
@@ -200,32 +189,44 @@ export class Pairs {
    * @private
    * @param {Frame} frame
    */
-  async show_({header, picture, depths}) {
-    const {pose, revision, width, height, views, layers, opacity} = header;
-    if (views !== 2 || depths.length !== views * layers) {
-      throw new Error(`pair ${pose}: ${views} views of ${layers} layers, but ${depths.length} `
-        + 'blocks of depths. The server could not send all depths, or is newer than the page: its '
-        + 'messages say which; load the page again.');
+  async show_(frame) {
+    const {header, depths} = frame, {pose, revision, width, height, views, layers} = header;
+    if (views !== 2) {
+      throw new Error(`pair ${pose}: ${views} views, but a headset needs 2. Load the page again; `
+        + 'it may be older than the server.');
     }
-    const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-    const [bitmap, leans] = await Promise.all([
-      createImageBitmap(new Blob([/** @type {any} */ (picture)], {type})),
-      Promise.all(depths.map(each => unpack(each, width, height)))]);
-    const asked = this.asked_.get(pose);
-    // Nothing goes back in time.
-    if (asked && pose >= (this.shown?.pose ?? 0) && revision >= this.leastRevision_) {
-      this.painter_.take(bitmap, leans);
-      const {windows, seenAt} = asked;
-      const opacities = layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
-      this.shown = {pose, revision, seenAt, width, height, opacities, windows,
-        clips: windows.map(each => multiply(each.projection, each.patient_to_eye))};
-      this.count += 1;
-      for (const older of this.asked_.keys()) {
-        if (older < pose) {
-          this.asked_.delete(older);
-        }
+    if (depths.length !== views * layers) {
+      throw new Error(`pair ${pose}: the message has depths of ${depths.length} pictures, but `
+        + `${views} views of ${layers} layers need ${views * layers}. The server reports why.`);
+    }
+    const leans = await Promise.all(depths.map(each => unpack(each, width, height)));
+    const bitmap = await bitmapOfFile(frame);
+    try {
+      const asked = this.asked_.get(pose);
+      // Nothing goes back in time.
+      if (asked && pose >= (this.shown?.pose ?? 0) && revision >= this.leastRevision_) {
+        this.painter_.take(bitmap, leans);
+        this.keep_(asked, header);
+      }
+    } finally {
+      bitmap.close();
+    }
+  }
+
+  /**
+   * @private
+   * @param {Asked} asked
+   * @param {import('../link/types.js').FrameHeader} header
+   */
+  keep_({pose, windows, seenAt}, {revision, width, height, layers, opacity}) {
+    this.shown = {pose, revision, seenAt, width, height, windows,
+      opacities: opacitiesOf({layers, opacity}),
+      clips: windows.map(each => multiply(each.projection, each.patient_to_eye))};
+    this.count += 1;
+    for (const older of this.asked_.keys()) {
+      if (older < pose) {
+        this.asked_.delete(older);
       }
     }
-    bitmap.close();
   }
 }

@@ -43,6 +43,16 @@ function edgesOf(aside, ahead, radius) {
 }
 
 /**
+ * Whether the eyes are so near to the sphere that their windows look where the head looks.
+ * @param {Vector[]} eyes  Millimeters, in the patient.
+ * @param {import('./placement.js').Sphere} sphere
+ */
+export function lookAhead(eyes, {center_mm, radius_mm}) {
+  const center = /** @type {Vector} */ (center_mm);
+  return eyes.some(eye => length(minus(eye, center)) < BESIDE * MARGIN * radius_mm);
+}
+
+/**
  * Windows around a sphere, all of one orientation. From near or within the sphere, the windows are
  * wide and look where the head looks.
  * @param {Vector[]} eyes   Positions of the eyes in the patient, millimeters.
@@ -54,7 +64,7 @@ function edgesOf(aside, ahead, radius) {
 export function windowsOf(eyes, head, up, {center_mm, radius_mm}) {
   const center = /** @type {Vector} */ (center_mm), radius = radius_mm * MARGIN;
   const middle = times(eyes.reduce(add), 1 / eyes.length);
-  const isBeside = eyes.some(eye => length(minus(eye, center)) < BESIDE * radius);
+  const isBeside = lookAhead(eyes, {center_mm, radius_mm});
   const axes = isBeside ? headAxes(head) : axesTowards(minus(middle, center), up, head);
   return eyes.map(eye => {
     const to = minus(center, eye);

@@ -9,7 +9,7 @@ import {HeadTrack} from './prediction.js';
 import {add, compose, inverted, length, minus, poseOf, rotated, times} from './rigid.js';
 import {roomOf} from './room.js';
 import {RoomPainter} from './room_painter.js';
-import {sizeOf, windowsOf} from './windows.js';
+import {lookAhead, sizeOf, windowsOf} from './windows.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../picture/metrics.js').HeadsetFigures} HeadsetFigures */
@@ -24,6 +24,7 @@ const MOVED_M = 0.0003;              // Less needs no new pair.
 const FENCE_EVERY = 8;               // Frames; the time of drawing is measured for one of these.
 const MIRROR_EVERY = 3;              // Frames of the headset per frame of the mirror.
 const MIRROR_PX = 720;
+const AHEAD_MM = 100;                // A point before the head tells a turn.
 const EYES_ABOVE_FLOOR_M = 1.6;      // Where the headset does not know the floor.
 const LONGEST_STEP_S = 0.1;          // After a pause, nothing jumps.
 const KEPT = 256;
@@ -67,7 +68,7 @@ export class Worn {
     this.isPlaced_ = false;
     /** @private Identity of the volume in the room. */
     this.identity_ = '';
-    /** @private What the machine was asked for. @type {{eyes: Vector[], about: string} | null} */
+    /** @private The newest request. @type {{points: Vector[], about: string} | null} */
     this.asked_ = null;
     /** @private Predictions whose time has not come. @type {{at: number, pose: Pose,
      *  without: Pose}[]} */
@@ -76,7 +77,7 @@ export class Worn {
     this.trip_ms_ = 0;
     /** @private */
     this.before_ = 0;
-    /** @private Of the drawing that is being timed. @type {WebGLSync | null} */
+    /** @private Signals the end of the timed drawing. @type {WebGLSync | null} */
     this.fence_ = null;
     this.pairs_.onTrip(ms => {
       this.trip_ms_ = this.trip_ms_ === 0 ? ms : this.trip_ms_ + (ms - this.trip_ms_) / 8;
@@ -208,10 +209,13 @@ export class Worn {
     const size = sizeOf(windows, focal_px * SHARPNESS, SIZES);
     const about = JSON.stringify([sphere.center_mm, sphere.radius_mm, size]);
     const asked = this.pairs_.isKnown ? this.asked_ : null;
-    const moved = asked ? Math.max(...seen.map((eye, at) => length(minus(eye, asked.eyes[at]))))
-      * scale : Infinity;
+    const points = lookAhead(seen, sphere)
+      ? [...seen, add(ahead.pose.position, rotated(ahead.pose.turn, [0, 0, -AHEAD_MM]))] : seen;
+    const moved = asked?.points.length === points.length
+      ? Math.max(...points.map((each, at) => length(minus(each, asked.points[at])))) * scale
+      : Infinity;
     if (moved > MOVED_M || about !== asked?.about) {
-      this.asked_ = {eyes: seen, about};
+      this.asked_ = {points, about};
       const seenAt = this.track_.newestAt, without = this.track_.predict(0)?.pose ?? ahead.pose;
       if (ahead.at > seenAt) {
         this.predicted_.push({at: ahead.at, pose: ahead.pose, without});
@@ -278,7 +282,7 @@ export class Worn {
     this.drawViews_([view], () => ({x: 0, y: 0, width, height}), head, sphere);
   }
 
-  /** What the viewer must know, or ''. @private */
+  /** The sentence in the room, or ''. @private */
   sentence_() {
     const {connection, store} = this.app_;
     if (!connection.connected) {

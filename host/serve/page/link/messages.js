@@ -52,9 +52,11 @@ export function parseFrame(message) {
   /** @type {Uint8Array[]} */
   const depths = [];
   for (let at = end - depth_bytes; at < end;) {
-    const first = at + 4, bytes = first > end ? end : view.getUint32(at, true);
+    const first = at + 4, bytes = first > end ? 0 : view.getUint32(at, true);
     if (first + bytes > end) {
-      throw new Error(`frame: the depths of picture ${depths.length + 1} end after byte ${end}`);
+      throw new Error(`frame: the depths of picture ${depths.length + 1} end at byte `
+        + `${first + bytes}, but the frame has ${end} bytes. Load the page again; it may be older `
+        + 'than the server.');
     }
     depths.push(new Uint8Array(message, first, bytes));
     at = first + bytes;

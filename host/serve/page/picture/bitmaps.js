@@ -18,14 +18,22 @@ export async function bitmapOf(picture) {
 }
 
 /**
+ * The opacities of the layers of a picture, the layer behind first.
+ * @param {{layers: number, opacity: number}} header  Opacity in sixteenths.
+ */
+export function opacitiesOf({layers, opacity}) {
+  return layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
+}
+
+/**
  * Draws a frame as it is. The canvas gets the size of the picture.
  * @param {CanvasRenderingContext2D} context
  * @param {import('../link/types.js').FrameHeader} header
  * @param {string} mode  Of stereo.
  * @param {ImageBitmap} bitmap
  */
-export function paintFrame(context, {width, height, views, layers, opacity}, mode, bitmap) {
-  const {canvas} = context;
+export function paintFrame(context, header, mode, bitmap) {
+  const {width, height, views} = header, {canvas} = context;
   if (views === 2) {
     drawPair(context, bitmap, mode);
     return;
@@ -34,10 +42,9 @@ export function paintFrame(context, {width, height, views, layers, opacity}, mod
     canvas.width = width;
     canvas.height = height;
   }
-  context.drawImage(bitmap, 0, 0);
-  if (layers > 1) {
-    context.globalAlpha = opacity / LIMITS.full_opacity;
-    context.drawImage(bitmap, 0, -height);
-    context.globalAlpha = 1;
-  }
+  opacitiesOf(header).forEach((opacity, layer) => {
+    context.globalAlpha = opacity;
+    context.drawImage(bitmap, 0, -layer * height);
+  });
+  context.globalAlpha = 1;
 }

@@ -32,7 +32,8 @@ export async function marked(file, {marks, legend}, {stage, overlay, width}, sho
   paintLegend(context, overlay, legend, scale);
   const written = await new Promise(take => canvas.toBlob(take));
   if (!written) {
-    throw new Error('The browser cannot write so large a picture.');
+    throw new Error(`The browser cannot write a picture of ${canvas.width} x ${canvas.height} `
+      + 'pixels. Choose a smaller size.');
   }
   return withTexts(written, file);
 }

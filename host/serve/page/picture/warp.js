@@ -1,6 +1,6 @@
 // Shows the newest picture from the newest viewpoint until the next picture arrives.
 import {byId} from '../elements/dom.js';
-import {LIMITS} from '../link/vocabulary.js';
+import {opacitiesOf} from './bitmaps.js';
 import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
 import {canUnpack, unpack} from './lean_depths.js';
 import {Parallax} from './parallax.js';
@@ -86,9 +86,9 @@ export class Warp {
     this.painter_ = null;
     this.parallax = new Parallax(picture);
     this.parallax.onMoved = () => void this.draw_();
-    /** @private What is on the screen: the arguments of WarpPainter.draw(). */
+    /** @private The arguments of the last drawing. */
     this.drawn_ = {passes: /** @type {Pass[]} */ ([]), magnification: 1};
-    /** Why nothing can be warped; empty if something can. */
+    /** The reason why nothing can be warped; '' if something can. */
     this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
     /** @private @type {(() => void)[]} */
     this.switched_ = [];
@@ -115,7 +115,8 @@ export class Warp {
     this.canvas_.addEventListener('webglcontextlost', event => {
       event.preventDefault();  // Else the browser does not give it back.
       this.painter_ = null;
-      this.refuse_('the browser has taken WebGL back');
+      this.refuse_('the browser has taken WebGL back. It may return it; if not, load the page '
+        + 'again');
     });
     this.canvas_.addEventListener('webglcontextrestored', () => {
       this.refusal = '';
@@ -179,7 +180,7 @@ export class Warp {
     this.source_ = null;
     if (leans && camera && this.painter_) {
       this.painter_.take(bitmap, leans);
-      const opacities = layers > 1 ? [1, opacity / LIMITS.full_opacity] : [1];
+      const opacities = opacitiesOf({layers, opacity});
       this.source_ = {camera, stereo: views === 1 ? {...stereo, mode: 'off'} : stereo, width,
         height, revision, opacities, seenAt, isBelow};
     } else if (rests && before?.revision === revision) {
@@ -235,12 +236,7 @@ export class Warp {
       keep(this.views_, {view, at: this.inputAt_});
     }
     if (this.requested_ === 0) {
-      this.requested_ = requestAnimationFrame(() => {
-        this.requested_ = 0;
-        if (this.draw_()) {
-          keep(this.figures.pointer_ms, performance.now() - this.inputAt_);
-        }
-      });
+      this.requested_ = requestAnimationFrame(() => void this.draw_());
     }
   }
 
@@ -284,6 +280,9 @@ export class Warp {
    * @returns {boolean} whether the picture below lags behind the newest view, and is warped
    */
   draw_() {
+    const isAsked = this.requested_ !== 0;
+    cancelAnimationFrame(this.requested_);  // This drawing shows the newest view.
+    this.requested_ = 0;
     const {source_: source, painter_: painter, shown_: shown} = this;
     const {wanted} = this.viewpoint_, state = this.store_.state;
     const isAhead = Boolean(wanted && shown && !isSameView(wanted, shown));
@@ -306,6 +305,9 @@ export class Warp {
     this.figures.draws += 1;
     if (isAhead && source.seenAt > 0) {
       keep(this.figures.picture_age_ms, performance.now() - source.seenAt);
+    }
+    if (isAhead && isAsked) {
+      keep(this.figures.pointer_ms, performance.now() - this.inputAt_);
     }
     return isAhead;
   }

@@ -16,7 +16,7 @@ const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3, WALLS = 4;  // Texture units
 const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
 
 /**
- * What is drawn of a picture.
+ * Buffers and textures of a picture.
  * @typedef {object} PictureMesh
  * @property {WebGLTexture | null} corners
  * @property {WebGLTexture | null} mask
@@ -54,17 +54,17 @@ export class WarpPainter {
     this.canvas_ = canvas;
     /** The context that everything is drawn with. */
     this.gl = gl;
-    /** Of a bitmap that take() can take, width or height. */
+    /** Most width and height of a bitmap for take(). */
     this.most_px = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     /** @private */
     this.surfaces_ = programOf(gl, VERTEX, FRAGMENT);
     /** @private */
     this.walls_ = programOf(gl, WALL_VERTEX, WALL_FRAGMENT);
     /** @private */
-    this.colors_ = gl.createTexture();
+    this.colors_ = this.texture_(gl.LINEAR);
     /** @private @type {PictureMesh[]} From top to bottom. */
     this.meshes_ = [];
-    /** @private Of one picture, pixels. */
+    /** @private Size of one picture, pixels. */
     this.size_ = {width: 0, height: 0};
     /** @private Red, green, blue: 0 to 1. */
     this.background_ = [0, 0, 0];
@@ -86,12 +86,12 @@ export class WarpPainter {
     const width = bitmap.width, height = bitmap.height / leans.length;
     this.size_ = {width, height};
     while (this.meshes_.length < leans.length) {
-      this.meshes_.push({corners: gl.createTexture(), mask: gl.createTexture(),
-        seams: gl.createTexture(), walls: gl.createTexture(), triangles: gl.createBuffer(),
-        count: 0, steepAt: 0, wallCount: 0});
+      const [corners, mask, seams, walls] = [0, 1, 2, 3].map(() => this.texture_(gl.NEAREST));
+      this.meshes_.push({corners, mask, seams, walls, triangles: gl.createBuffer(), count: 0,
+        steepAt: 0, wallCount: 0});
     }
     leans.forEach((lean, at) => this.fill_(this.meshes_[at], lean));
-    this.bind_(COLORS, this.colors_, gl.LINEAR);
+    this.bind_(COLORS, this.colors_);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, bitmap);
   }
 
@@ -228,10 +228,10 @@ export class WarpPainter {
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
     gl.useProgram(program);
-    this.bind_(CORNERS, corners, gl.NEAREST);
-    this.bind_(MASK, mask, gl.NEAREST);
-    this.bind_(SEAMS, seams, gl.NEAREST);
-    this.bind_(COLORS, this.colors_, gl.LINEAR);
+    this.bind_(CORNERS, corners);
+    this.bind_(MASK, mask);
+    this.bind_(SEAMS, seams);
+    this.bind_(COLORS, this.colors_);
     gl.uniform1i(places.corners, CORNERS);
     gl.uniform1i(places.mask, MASK);
     gl.uniform1i(places.colors, COLORS);
@@ -273,7 +273,7 @@ export class WarpPainter {
    * @private
    * @param {PictureMesh} mesh
    * @param {Float32Array} matrix
-   * @param {number[]} rows  As ROWS has them.
+   * @param {number[]} rows  The uniform of ROWS.
    */
   hatch_({count, steepAt, walls, wallCount}, matrix, rows) {
     const {gl} = this;
@@ -284,7 +284,7 @@ export class WarpPainter {
     const {program, places} = this.walls_;
     gl.disable(gl.CULL_FACE);
     gl.useProgram(program);
-    this.bind_(WALLS, walls, gl.NEAREST);
+    this.bind_(WALLS, walls);
     gl.uniform1i(places.walls, WALLS);
     gl.uniform2i(places.size, this.size_.width, this.size_.height);
     gl.uniform1f(places.opened,
@@ -305,15 +305,15 @@ export class WarpPainter {
    */
   fill_(mesh, lean) {
     const {gl} = this, {width, height} = this.size_;
-    this.bind_(CORNERS, mesh.corners, gl.NEAREST);
+    this.bind_(CORNERS, mesh.corners);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R16UI, lean.columns, lean.rows, 0, gl.RED_INTEGER,
       gl.UNSIGNED_SHORT, lean.corners);
-    this.bind_(MASK, mesh.mask, gl.NEAREST);
+    this.bind_(MASK, mesh.mask);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, lean.mask);
     const covered = coveredCells(lean, width, height);
     const {triangles, steepAt, texels, texelRows} = meshOf(lean, covered);
-    this.bind_(SEAMS, mesh.seams, gl.NEAREST);
+    this.bind_(SEAMS, mesh.seams);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
       gl.UNSIGNED_INT, texels);
     gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
@@ -321,7 +321,7 @@ export class WarpPainter {
     mesh.count = triangles.length;
     mesh.steepAt = steepAt;
     const walls = wallsOf(lean, covered, width, height);
-    this.bind_(WALLS, mesh.walls, gl.NEAREST);
+    this.bind_(WALLS, mesh.walls);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, WALL_COLUMNS, walls.rows, 0, gl.RG_INTEGER,
       gl.UNSIGNED_INT, walls.texels);
     mesh.wallCount = walls.count;
@@ -329,17 +329,26 @@ export class WarpPainter {
 
   /**
    * @private
-   * @param {number} unit
-   * @param {WebGLTexture | null} texture
    * @param {number} filter
    */
-  bind_(unit, texture, filter) {
-    const {gl} = this;
-    gl.activeTexture(gl.TEXTURE0 + unit);
+  texture_(filter) {
+    const {gl} = this, texture = gl.createTexture();
+    gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, texture);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, filter);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.CLAMP_TO_EDGE);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.CLAMP_TO_EDGE);
+    return texture;
+  }
+
+  /**
+   * @private
+   * @param {number} unit
+   * @param {WebGLTexture | null} texture
+   */
+  bind_(unit, texture) {
+    this.gl.activeTexture(this.gl.TEXTURE0 + unit);
+    this.gl.bindTexture(this.gl.TEXTURE_2D, texture);
   }
 }

@@ -43,9 +43,13 @@ export function wallsOf(lean, covered, width, height) {
   const meet = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ bits,
     /** @type {number} */ otherX, /** @type {number} */ otherY, /** @type {number} */ pixelX,
     /** @type {number} */ pixelY) => {
+    const isOutside = otherX < 0 || otherY < 0 || otherX >= width || otherY >= height;
+    if (!isOutside && surfaces.isPlain(pixelX, pixelY) && surfaces.isPlain(otherX, otherY)) {
+      return;  // Both cells have the same corners there.
+    }
     const atX = bits === ACROSS ? x + 0.5 : x, atY = bits === ACROSS ? y : y + 0.5;
     const depth = surfaces.depthOf(pixelX, pixelY, atX, atY);
-    if (otherX < 0 || otherY < 0 || otherX >= width || otherY >= height) {
+    if (isOutside) {
       if (depth > 0) {
         add(x, y, bits | BEYOND, depth, depth);
         leavesPicture = true;
@@ -117,6 +121,17 @@ class Surfaces {
     for (const seam of lean.seams) {
       this.seams[seam.cell] = seam;
     }
+  }
+
+  /**
+   * Whether a pixel shows a surface that the corners of its cell describe.
+   * @param {number} x
+   * @param {number} y
+   */
+  isPlain(x, y) {
+    const {mask, columns} = this.lean_;
+    return (mask[y * this.rowBytes_ + (x >> 3)] >> (x & 7) & 1) === 1
+      && !this.seams[(y >> 2) * (columns - 1) + (x >> 2)];
   }
 
   /**
