@@ -7,6 +7,7 @@
 // at rest is another one without warp.
 import assert from 'node:assert/strict';
 import { existsSync } from 'node:fs';
+import { setTimeout as sleep } from 'node:timers/promises';
 import { parseArgs } from 'node:util';
 import { launchBrowser, openPage, serve } from '../browser/harness.js';
 import { browserProcesses, cpuSeconds, treeOf } from '../browser/processes.js';
@@ -15,6 +16,7 @@ import { after, middleOf, rawSocket, say, settled, unfold } from '../browser/ste
 
 const SWING_PX = 60;         // A drag goes so far to both sides.
 const SWING_S = 2;           // And takes so long there and back.
+const MOVES_PER_S = 60;
 const REST_MS = 500;         // After the last input the newest state must be shown, lossless.
 const CORES_PERCENT = 100;
 // The last two are those of a surface that is turned with warp.
@@ -40,17 +42,20 @@ function quantile(samples, share) {
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? NaN;
 }
 
-/** Drags to and fro for as long as asked, as fast as the browser takes moves. */
+/** Drags to and fro for as long as asked. A mouse reports at least so many moves a second. */
 async function swing(page, at, { x, y }) {
   await page.evaluate(forget);
   await page.evaluate(() => { globalThis.pxpl5.warp.pointer_ms.length = 0; });
   await page.mouse.move(at.x, at.y);
   await page.mouse.down();
   const begin = performance.now();
+  const moves = [];
   for (let s = 0; s < seconds; s = (performance.now() - begin) / 1000) {
     const way = Math.sin(2 * Math.PI * s / SWING_S) * SWING_PX;
-    await page.mouse.move(at.x + x * way, at.y + y * way);
+    moves.push(page.mouse.move(at.x + x * way, at.y + y * way));
+    await sleep(1000 / MOVES_PER_S);
   }
+  await Promise.all(moves);
   const rest = await page.evaluate(rested, REST_MS);
   await page.mouse.up();
   const pointer_ms = await page.evaluate(() => globalThis.pxpl5.warp.pointer_ms);
@@ -92,12 +97,13 @@ const server = await serve(options.volume, ...options.load);
 const browser = await launchBrowser();
 const { page, close } = await openPage(browser, server.url, { script: record });
 await settled(page);
-const raw = await rawSocket(page, server.url);
 
-/** Does a command, and waits until its picture has settled. */
+/** Does a command, and waits until its picture has settled. An open socket would get frames. */
 async function done(line) {
   await after(page, async () => {
+    const raw = await rawSocket(page, server.url);
     const reply = await say(raw, line);
+    await raw.evaluate(({ socket }) => socket.close());
     if (!reply.ok) throw new Error(`${line}: ${reply.error}`);
   });
 }

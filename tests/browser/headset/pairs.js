@@ -55,7 +55,7 @@ export function loadPairs() {
     const painter = new modules.painter.WarpPainter(canvas);
     painter.take(pair.bitmap, pair.leans);
     painter.begin(width, height, background);
-    painter.draw(at * layers, warp, 1);
+    painter.draw(at * layers, warp, 1, 1, { left: 0, width, height });
     const pixels = modules.read(canvas);
     painter.gl.getExtension('WEBGL_lose_context').loseContext();
     return pixels;

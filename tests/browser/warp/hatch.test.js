@@ -36,6 +36,7 @@ test('unknown surfaces are hatched, known ones never', async t => {
     t.diagnostic(`${name}: of ${found.covered} pixels with a surface ${found.unknown} are ` +
       `unknown, ${found.hatched} hatched; hatched before the background: ${found.false}`);
     assert.equal(found.changed, 0, `${name}: ${found.changed} known pixels are hatched`);
+    assert.equal(found.untested, 0, `${name}: ${found.untested} pixels differ if all are tested`);
     if (name === 'nowhere') {
       assert.deepEqual([found.unknown, found.hatched, found.false], [0, 0, 0]);
       continue;

@@ -63,18 +63,29 @@ export async function loadModules() {
              depth_bytes: depths.reduce((sum, each) => sum + each.length, 0),
              bytes: message.byteLength };
   };
-  /** The pixels of a frame as seen from a view. */
-  modules.warp = (frame, view, background, hatches = true) => {
+  /** The pixels of a frame as seen from a view. With `tests`, each cell is tested for tearing. */
+  modules.warp = (frame, view, background, { hatches = true, tests = false } = {}) => {
     const canvas = document.createElement('canvas');
     const painter = new modules.painter.WarpPainter(canvas);
     if (!hatches) painter.hatch_ = () => {};
     const { cameraAt, multiply, inverse } = modules.camera, aspect = frame.width / frame.height;
     const clip = each => cameraAt(each, frame.camera, aspect).patient_to_clip;
     painter.take(frame.bitmap, frame.leans);
+    if (tests) {
+      for (const mesh of painter.meshes_) {
+        const { meshOf } = mesh;
+        mesh.meshOf = hasBlocks => {
+          const made = meshOf(hasBlocks);
+          made.fullEnds.fill(0);
+          return made;
+        };
+      }
+    }
     painter.begin(frame.width, frame.height, background);
     const warp = multiply(clip(view), inverse(clip(frame.camera)));
     frame.leans.forEach((_, layer) => painter.draw(layer, warp, view.zoom / frame.camera.zoom,
-                                                   layer ? frame.header.opacity / 16 : 1));
+                                                   layer ? frame.header.opacity / 16 : 1,
+                                                   { left: 0, ...frame }));
     const pixels = modules.read(canvas);
     canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
     return pixels;
@@ -236,15 +247,17 @@ export async function compareMoving(least) {
 /**
  * What a kept frame that is warped to the viewpoint of another knows about the other's pixels.
  * `hatched` counts the hatched pixels among those that show a surface and are not known, `false`
- * the hatched pixels that show the background, `changed` the known pixels that the hatch changes.
+ * the hatched pixels that show the background, `changed` the known pixels that the hatch changes,
+ * `untested` those that would differ if each cell were tested for tearing.
  */
 export async function hatchedPixels(pair) {
   const { modules } = globalThis;
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
   const found = modules.warp(late, exact.camera, modules.key);
-  const plain = modules.warp(late, exact.camera, modules.key, false);
-  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0 };
+  const plain = modules.warp(late, exact.camera, modules.key, { hatches: false });
+  const tested = modules.warp(late, exact.camera, modules.key, { tests: true });
+  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0, untested: 0 };
   for (let at = 0; at < found.length; at += 4) {
     const shows = exact.shows(at / 4 % exact.width, Math.floor(at / 4 / exact.width));
     const isKnown = !modules.isEmpty(plain, at), isHatched = modules.isHatched(found, at);
@@ -252,6 +265,7 @@ export async function hatchedPixels(pair) {
     counts.unknown += shows && !isKnown ? 1 : 0;
     counts.hatched += shows && !isKnown && isHatched ? 1 : 0;
     counts.false += !shows && isHatched ? 1 : 0;
+    counts.untested += [0, 1, 2].some(k => found[at + k] !== tested[at + k]) ? 1 : 0;
     counts.changed += isKnown && [0, 1, 2].some(k => found[at + k] !== plain[at + k]) ? 1 : 0;
   }
   return counts;

@@ -67,6 +67,17 @@ export function byId(id) {
 }
 
 /**
+ * Sets the text of an element if it differs, to avoid needless layout.
+ * @param {Element} element
+ * @param {string} text
+ */
+export function setText(element, text) {
+  if (element.textContent !== text) {
+    element.textContent = text;
+  }
+}
+
+/**
  * Sets only attributes that differ, to avoid needless layout.
  * @param {Element} element
  * @param {Record<string, string | number | null>} attributes  null removes.

@@ -242,27 +242,26 @@ export class Worn {
       const {x, y, width, height} = viewportOf(view);
       const clip = multiply([...view.projectionMatrix], [...view.transform.inverse.matrix]);
       gl.viewport(x, y, width, height);
-      this.drawPatient_(view.eye === 'right' ? 1 : 0, view, width, clip);
+      this.drawPatient_(view, {left: x, bottom: y, width, height}, clip);
       this.room_.draw(clip, head.position, labels, {right, up, position: head.position});
     }
   }
 
   /**
    * @private
-   * @param {number} eye     0: left.
    * @param {XRView} view
-   * @param {number} width   Of the viewport.
+   * @param {import('../picture/warp_painter.js').Viewport} viewport
    * @param {number[]} clip  From the room.
    */
-  drawPatient_(eye, view, width, clip) {
-    const pair = this.pairs_.shown;
+  drawPatient_(view, viewport, clip) {
+    const pair = this.pairs_.shown, eye = view.eye === 'right' ? 1 : 0;
     if (pair) {
-      const focal = view.projectionMatrix[0] * width;
-      const magnification = focal / (pair.windows[eye].projection[0] * pair.width);
+      const magnification = view.projectionMatrix[0] / pair.windows[eye].projection[0];
       const warp = multiply(multiply(clip, this.placement_.patientToWorld),
         inverse(pair.clips[eye]));
       pair.opacities.forEach((opacity, layer) =>
-        this.painter_.draw(eye * pair.opacities.length + layer, warp, magnification, opacity));
+        this.painter_.draw(eye * pair.opacities.length + layer, warp, magnification, opacity,
+          viewport));
     }
   }
 

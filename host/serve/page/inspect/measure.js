@@ -136,6 +136,9 @@ class MeasurePanel {
   }
 
   draw() {
+    if (this.distances.length === 0 && !this.first && this.drawing.childElementCount === 0) {
+      return;  // Is called for each picture.
+    }
     this.drawing.replaceChildren(...this.app.picture.eyes().map(eye =>
       s('g', {class: `eye-${eye.name}`}, ...this.marks(eye))));
   }

@@ -145,8 +145,10 @@ function undone(low, high, columns) {
   return corners;
 }
 
+export const FULL = 2;  // A cell whose pixels all show a surface.
+
 /**
- * Which cells show a surface: 1 or 0 for each, row by row.
+ * Which cells show a surface: 0, 1, or FULL for each, row by row.
  * @param {{columns: number, rows: number, mask: Uint8Array}} lean
  * @param {number} width
  * @param {number} height
@@ -154,15 +156,20 @@ function undone(low, high, columns) {
 export function coveredCells({columns, rows, mask}, width, height) {
   const across = columns - 1, rowBytes = maskRowBytes(width);
   const covered = new Uint8Array(across * (rows - 1));
-  for (let y = 0; y < height; ++y) {
-    const row = (y >> 2) * across;
+  for (let row = 0; row + 1 < rows; ++row) {
     for (let k = 0; k < rowBytes; ++k) {
-      const bits = mask[y * rowBytes + k];
-      if (bits & 0x0f) {
-        covered[row + 2 * k] = 1;
+      let any = 0, all = 0xff;
+      for (let y = CELL_PX * row; y < CELL_PX * (row + 1); ++y) {
+        const bits = y < height ? mask[y * rowBytes + k] : 0;
+        any |= bits;
+        all &= bits;
       }
-      if (bits & 0xf0) {
-        covered[row + 2 * k + 1] = 1;
+      const cell = row * across + 2 * k;
+      if (any & 0x0f) {
+        covered[cell] = (all & 0x0f) === 0x0f ? FULL : 1;
+      }
+      if (any & 0xf0) {
+        covered[cell + 1] = (all & 0xf0) === 0xf0 ? FULL : 1;
       }
     }
   }

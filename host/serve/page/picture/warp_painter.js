@@ -1,11 +1,12 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
 import {Anaglyph} from './anaglyph.js';
 import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
-import {meshOf, SEAM_COLUMNS} from './warp_mesh.js';
-import {FRAGMENT, programOf, VERTEX} from './warp_program.js';
+import {calmBuckets, canShowBlocks, meshOf, SEAM_COLUMNS, seamTexels} from './warp_mesh.js';
+import {FRAGMENT, MOST_STRETCH, PLAIN_FRAGMENT, programOf, VERTEX} from './warp_program.js';
 import {WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf} from './warp_walls.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+/** @typedef {import('./warp_mesh.js').Mesh} Mesh */
 
 const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3, WALLS = 4;  // Texture units.
 /**
@@ -22,16 +23,22 @@ const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
  * @property {WebGLTexture | null} mask
  * @property {WebGLTexture | null} seams
  * @property {WebGLTexture | null} walls
- * @property {WebGLBuffer | null} triangles
- * @property {number} count                  Of the triangles' corners.
- * @property {number} steepAt                Before it are the corners of cells that never tear.
+ * @property {Triangles[]} triangles       Without blocks, and with blocks.
+ * @property {(hasBlocks: boolean) => Mesh} meshOf
  * @property {number} wallCount
+ */
+
+/**
+ * @typedef {object} Triangles
+ * @property {WebGLBuffer | null} buffer
+ * @property {Mesh | null} mesh            What the buffer has; null: nothing of this picture.
  */
 
 /**
  * Where a picture is drawn on the canvas, pixels.
  * @typedef {object} Viewport
  * @property {number} left
+ * @property {number} [bottom]  0 without it.
  * @property {number} width
  * @property {number} height
  * @property {number} [rows]  0 or 1: draws only the rows 0, 2 ... or 1, 3 ... from the top.
@@ -58,6 +65,8 @@ export class WarpPainter {
     this.most_px = gl.getParameter(gl.MAX_TEXTURE_SIZE);
     /** @private */
     this.surfaces_ = programOf(gl, VERTEX, FRAGMENT);
+    /** @private */
+    this.plain_ = programOf(gl, VERTEX, PLAIN_FRAGMENT);
     /** @private */
     this.walls_ = programOf(gl, WALL_VERTEX, WALL_FRAGMENT);
     /** @private */
@@ -87,8 +96,9 @@ export class WarpPainter {
     this.size_ = {width, height};
     while (this.meshes_.length < leans.length) {
       const [corners, mask, seams, walls] = [0, 1, 2, 3].map(() => this.texture_(gl.NEAREST));
-      this.meshes_.push({corners, mask, seams, walls, triangles: gl.createBuffer(), count: 0,
-        steepAt: 0, wallCount: 0});
+      const triangles = [0, 1].map(() => ({buffer: gl.createBuffer(), mesh: null}));
+      const meshOf = () => { throw new Error('no picture has been taken'); };
+      this.meshes_.push({corners, mask, seams, walls, triangles, meshOf, wallCount: 0});
     }
     leans.forEach((lean, at) => this.fill_(this.meshes_[at], lean));
     this.bind_(COLORS, this.colors_);
@@ -149,29 +159,37 @@ export class WarpPainter {
    * @param {number[]} warp          From the clip space of the picture to the new clip space.
    * @param {number} magnification   New zoom over the zoom of the picture, if the viewport is as
    *                                 large as the picture.
-   * @param {number} [opacity]       0 to 1. Below 1, what is drawn already shows through.
-   * @param {Viewport} [viewport]    From the lower left corner; without it, the present one.
+   * @param {number} opacity         0 to 1. Below 1, what is drawn already shows through.
+   * @param {Viewport} viewport      From the lower left corner.
    */
-  draw(picture, warp, magnification, opacity = 1, viewport) {
-    const {gl} = this;
-    if (viewport) {
-      gl.viewport(viewport.left, 0, viewport.width, viewport.height);
-    }
-    const rows = viewport?.rows === undefined ? [0, 0] : [viewport.rows, viewport.height];
-    const matrix = new Float32Array(warp);
-    const places = this.prepare_(picture, matrix,
-      magnification * (viewport ? viewport.width / this.size_.width : 1));
+  draw(picture, warp, magnification, opacity, viewport) {
+    const {gl} = this, {left, bottom = 0, width, height} = viewport;
+    gl.viewport(left, bottom, width, height);
+    const rows = viewport.rows === undefined ? [0, 0] : [viewport.rows, height];
+    const matrix = new Float32Array(warp), scale = magnification * width / this.size_.width;
+    const {triangles, fullEnds, partialEnds} = this.meshFor_(picture, matrix, viewport);
+    const calm = rows[1] > 0 ? 0 : calmBuckets(matrix, this.size_, viewport, scale * MOST_STRETCH);
+    const plain = calm > 0 ? fullEnds[calm - 1] : 0;
+    const plainPlaces = this.prepare_(this.plain_, picture, matrix);
+    gl.uniform1f(plainPlaces.opacity, opacity);
+    const {program, places} = this.surfaces_;
+    this.prepare_(this.surfaces_, picture, matrix);
+    gl.uniform1f(places.magnification, scale);
     gl.uniform1i(places.locates, 0);
     gl.uniform2iv(places.rows, rows);
     gl.uniform1f(places.opacity, opacity);
-    const {count} = this.meshes_[picture];
-    const draw = () => gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    const draw = () => {
+      gl.useProgram(this.plain_.program);
+      gl.drawElements(gl.TRIANGLES, plain, gl.UNSIGNED_INT, 0);
+      gl.useProgram(program);
+      gl.drawElements(gl.TRIANGLES, triangles.length - plain, gl.UNSIGNED_INT, 4 * plain);
+    };
     if (opacity === 1) {
       draw();
     } else {
       this.blend_(draw);
     }
-    this.hatch_(this.meshes_[picture], matrix, rows);
+    this.hatch_(picture, {begin: plain, end: partialEnds[calm]}, matrix, rows);
   }
 
   /**
@@ -190,11 +208,13 @@ export class WarpPainter {
     gl.viewport(-x, y + 1 - height, width, height);
     gl.clearColor(1, 1, 1, 1);  // Further right and below than any picture reaches.
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const places = this.prepare_(picture, new Float32Array(warp),
-      magnification * width / this.size_.width);
+    const {places} = this.surfaces_, matrix = new Float32Array(warp);
+    const {triangles} = this.meshFor_(picture, matrix, {width, height});
+    this.prepare_(this.surfaces_, picture, matrix);
+    gl.uniform1f(places.magnification, magnification * width / this.size_.width);
     gl.uniform1i(places.locates, 1);
     gl.uniform2i(places.rows, 0, 0);
-    gl.drawElements(gl.TRIANGLES, this.meshes_[picture].count, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, triangles.length, gl.UNSIGNED_INT, 0);
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     return found[1] === 255 ? null : {x: found[0] + 256 * found[1], y: found[2] + 256 * found[3]};
@@ -215,16 +235,33 @@ export class WarpPainter {
   }
 
   /**
-   * Sets the program of surfaces, and what it draws of a picture.
+   * Binds the triangles of a picture: those of blocks if the warp allows them.
    * @private
    * @param {number} picture
    * @param {Float32Array} matrix
-   * @param {number} magnification  Pixels of the viewport per pixel of the picture.
+   * @param {{width: number, height: number}} viewport
    */
-  prepare_(picture, matrix, magnification) {
+  meshFor_(picture, matrix, viewport) {
+    const {gl} = this, {triangles, meshOf} = this.meshes_[picture];
+    const hasBlocks = canShowBlocks(matrix, viewport), chosen = triangles[Number(hasBlocks)];
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, chosen.buffer);
+    if (!chosen.mesh) {
+      chosen.mesh = meshOf(hasBlocks);
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, chosen.mesh.triangles, gl.STREAM_DRAW);
+    }
+    return chosen.mesh;
+  }
+
+  /**
+   * Sets a program of surfaces, and what it draws of a picture.
+   * @private
+   * @param {{program: WebGLProgram, places: Record<string, WebGLUniformLocation | null>}} chosen
+   * @param {number} picture
+   * @param {Float32Array} matrix
+   */
+  prepare_({program, places}, picture, matrix) {
     const {gl} = this, {width, height} = this.size_;
-    const {corners, mask, seams, triangles} = this.meshes_[picture];
-    const {program, places} = this.surfaces_;
+    const {corners, mask, seams} = this.meshes_[picture];
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.CULL_FACE);
     gl.useProgram(program);
@@ -238,11 +275,9 @@ export class WarpPainter {
     gl.uniform1i(places.seams, SEAMS);
     gl.uniform2i(places.size, width, height);
     gl.uniform1i(places.top, picture * height);
-    gl.uniform1f(places.magnification, magnification);
     gl.uniform3fv(places.background, this.background_);
     gl.uniform1i(places.hatches, 0);
     gl.uniformMatrix4fv(places.warp, false, matrix);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles);
     return places;
   }
 
@@ -271,16 +306,17 @@ export class WarpPainter {
   /**
    * Hatches what the picture has not seen: cells that became too long, and what its edges hid.
    * @private
-   * @param {PictureMesh} mesh
+   * @param {number} picture
+   * @param {{begin: number, end: number}} torn  Corners of the triangles that may have torn.
    * @param {Float32Array} matrix
    * @param {number[]} rows  The uniform of ROWS.
    */
-  hatch_({count, steepAt, walls, wallCount}, matrix, rows) {
-    const {gl} = this;
+  hatch_(picture, {begin, end}, matrix, rows) {
+    const {gl} = this, {walls, wallCount} = this.meshes_[picture];
     gl.depthFunc(gl.LEQUAL);
     gl.depthMask(false);
     gl.uniform1i(this.surfaces_.places.hatches, 1);
-    gl.drawElements(gl.TRIANGLES, count - steepAt, gl.UNSIGNED_INT, 4 * steepAt);
+    gl.drawElements(gl.TRIANGLES, end - begin, gl.UNSIGNED_INT, 4 * begin);
     const {program, places} = this.walls_;
     gl.disable(gl.CULL_FACE);
     gl.useProgram(program);
@@ -312,14 +348,12 @@ export class WarpPainter {
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8UI, maskRowBytes(width), height, 0, gl.RED_INTEGER,
       gl.UNSIGNED_BYTE, lean.mask);
     const covered = coveredCells(lean, width, height);
-    const {triangles, steepAt, texels, texelRows} = meshOf(lean, covered);
+    const {texels, texelRows} = seamTexels(lean);
     this.bind_(SEAMS, mesh.seams);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, SEAM_COLUMNS, texelRows, 0, gl.RG_INTEGER,
       gl.UNSIGNED_INT, texels);
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, mesh.triangles);
-    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, triangles, gl.STREAM_DRAW);
-    mesh.count = triangles.length;
-    mesh.steepAt = steepAt;
+    mesh.meshOf = hasBlocks => meshOf(lean, covered, width, height, hasBlocks);
+    mesh.triangles.forEach(each => { each.mesh = null; });
     const walls = wallsOf(lean, covered, width, height);
     this.bind_(WALLS, mesh.walls);
     gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG32UI, WALL_COLUMNS, walls.rows, 0, gl.RG_INTEGER,

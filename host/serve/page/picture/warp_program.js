@@ -24,6 +24,7 @@ uniform bool hatches;
 out vec2 at_px;
 flat out uint pixels;
 flat out ivec2 cell_px;
+invariant gl_Position;  // Layers draw only what is at the depth of an earlier drawing.
 void main() {
   ivec2 count = textureSize(corners, 0);
   int other = gl_VertexID - count.x * count.y;
@@ -101,6 +102,22 @@ void main() {
   place.y += float(top);
   color = locates ? vec4(ivec4(pixel, pixel >> 8).xzyw & 255) / 255.0
     : vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, opacity);
+}`;
+
+/** FRAGMENT for cells that show one surface in all pixels and do not tear. */
+export const PLAIN_FRAGMENT = `#version 300 es
+precision highp float;
+precision highp int;
+uniform sampler2D colors;
+uniform ivec2 size;
+uniform int top;
+uniform float opacity;
+in vec2 at_px;
+out vec4 color;
+void main() {
+  vec2 place = clamp(at_px, vec2(0.5), vec2(size) - 0.5);  // Below may be another picture.
+  place.y += float(top);
+  color = vec4(texture(colors, place / vec2(textureSize(colors, 0))).rgb, opacity);
 }`;
 
 /**

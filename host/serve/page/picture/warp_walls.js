@@ -1,6 +1,6 @@
 // The edges of the surfaces in a picture. Behind an edge may be something that the picture does
 // not show, and that becomes visible from another viewpoint.
-import {CELL_PX, cornerOf, maskRowBytes, MAX_LEAN} from './lean_depths.js';
+import {CELL_PX, cornerOf, FULL, maskRowBytes, MAX_LEAN} from './lean_depths.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 /** @typedef {import('./lean_depths.js').Seam} Seam */
@@ -31,7 +31,7 @@ const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8;  // Bits of a wall.
 export function wallsOf(lean, covered, width, height) {
   const {columns, rows} = lean, cellsAcross = columns - 1;
   const surfaces = new Surfaces(lean, width, height);
-  const isEdge = edgeCells(lean, covered, surfaces, height);
+  const isEdge = edgeCells(lean, covered, surfaces);
   /** @type {number[]} */
   const walls = [];
   let leavesPicture = false;
@@ -173,31 +173,14 @@ function between(a, b, c, d, u, v) {
  * @param {LeanDepths} lean
  * @param {Uint8Array} covered
  * @param {Surfaces} surfaces
- * @param {number} height
  */
-function edgeCells({columns, rows, mask}, covered, surfaces, height) {
+function edgeCells({columns, rows}, covered, surfaces) {
   const across = columns - 1, down = rows - 1;
   const isEdge = new Uint8Array(covered.length);
-  const rowBytes = mask.length / height;
-  for (let y = 0; y < height; ++y) {
-    const row = (y >> 2) * across;
-    for (let k = 0; k < rowBytes; ++k) {
-      const bits = mask[y * rowBytes + k];
-      if (bits === 0xff) {
-        continue;
-      }
-      if ((bits & 0x0f) !== 0x0f) {
-        isEdge[row + 2 * k] = 1;
-      }
-      if (bits < 0xf0 && 2 * k + 1 < across) {
-        isEdge[row + 2 * k + 1] = 1;
-      }
-    }
-  }
   for (let row = 0, cell = 0; row < down; ++row) {
     for (let column = 0; column < across; ++column, ++cell) {
       const isBorder = row === 0 || column === 0 || row + 1 === down || column + 1 === across;
-      isEdge[cell] = covered[cell] && (isEdge[cell] || surfaces.seams[cell] || isBorder
+      isEdge[cell] = covered[cell] && (covered[cell] !== FULL || surfaces.seams[cell] || isBorder
         || !(covered[cell - 1] && covered[cell + 1] && covered[cell - across]
           && covered[cell + across])) ? 1 : 0;
     }

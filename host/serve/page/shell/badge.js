@@ -1,5 +1,5 @@
 // The status line below the picture: quality, digest, speed and size.
-import {byId, h, update} from '../elements/dom.js';
+import {byId, h, setText, update} from '../elements/dom.js';
 import {composedSize, partsOf} from '../picture/stereo.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -30,12 +30,12 @@ export function createBadge(app) {
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     showQuality();
-    speed.textContent = `${header.machine_ms.toFixed(0)} ms`
-      + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : '');
+    setText(speed, `${header.machine_ms.toFixed(0)} ms`
+      + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : ''));
     speed.title = 'Time to render this frame, and displayed frames per second';
     const eye = [header.width, header.height];
-    size.textContent = (header.views === 1 ? eye
-      : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × ');
+    setText(size, (header.views === 1 ? eye
+      : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × '));
     size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
   });
   const showQuality = () => {
@@ -43,10 +43,10 @@ export function createBadge(app) {
     if (header) {
       const isWarped = warp?.figures.warped ?? false;
       update(quality, {title: isWarped ? WARPED_TITLE : qualityTitle(header)});
-      quality.textContent = isWarped ? warpedText(header) : qualityText(header);
+      setText(quality, isWarped ? warpedText(header) : qualityText(header));
       quality.classList.toggle('good',
         !isWarped && header.kind === 'png' && header.moved_mm === 0);
-      digest.textContent = isWarped ? '' : header.digest;
+      setText(digest, isWarped ? '' : header.digest);
       label.hidden = digest.textContent === '';
     }
   };

@@ -1,5 +1,5 @@
 // Over the picture: letters of the patient's sides, scale bar, cube and crosshair.
-import {byId, h, s, update} from '../elements/dom.js';
+import {byId, h, s, setText, update} from '../elements/dom.js';
 import {placeWarning} from '../panel/volume_words.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
 
@@ -23,7 +23,7 @@ const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, num
  * @param {import('../picture/viewpoint.js').Viewpoint} viewpoint
  */
 export function createOverlay(app, viewpoint) {
-  const {picture} = app;
+  const {picture} = app, cut = byId('cut');
   // The second of each is for the right part of a picture of both eyes.
   const frames = ['scale-bar', 'scale-bar-2'].map(id => new Frame(id));
   const crosses = ['crosshair', 'crosshair-2'].map(id => s('g', {visibility: 'hidden',
@@ -36,15 +36,17 @@ export function createOverlay(app, viewpoint) {
 
   const redraw = () => {
     const {camera, height} = picture, eyes = picture.eyes();
+    // Before anything changes: a change makes the browser compute all styles again.
+    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
     update(picture.overlay, {visibility: camera ? null : 'hidden'});
-    byId('cut').textContent = CUT;
-    byId('cut').hidden = !camera || !picture.isCut;
+    setText(cut, CUT);
+    cut.hidden = !camera || !picture.isCut;
     // Of an anaglyph both eyes see one frame, at the depth of the screen.
     const parts = eyes.filter(({left}, index) => index === 0 || left > 0);
     frames.forEach(({root}, index) =>
       update(root, {visibility: index < parts.length ? null : 'hidden'}));
     parts.forEach(({left, width}, index) => camera && frames[index].draw(camera.patient_to_eye,
-      {left, width, height, mmPerPlace: viewpoint.mmPerPlace()}));
+      {left, width, height, mmPerPlace: viewpoint.mmPerPlace(), margin}));
     crosses.forEach((cross, index) => {
       const eye = eyes[index], at = place && eye?.project(place);
       update(cross, at?.visible ? {transform: `translate(${at.x} ${at.y})`, visibility: 'visible'}
@@ -90,12 +92,12 @@ class Frame {
 
   /**
    * @param {number[]} patientToEye
-   * @param {{left: number, width: number, height: number, mmPerPlace: number}} part  In places.
+   * @param {{left: number, width: number, height: number, mmPerPlace: number, margin: number}} part
+   *   In places.
    */
-  draw(patientToEye, {left, width, height, mmPerPlace}) {
-    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+  draw(patientToEye, {left, width, height, mmPerPlace, margin}) {
     EDGES.forEach(({at, on}, index) => {
-      this.letters_[index].textContent = lettersTowards(patientToEye, on);
+      setText(this.letters_[index], lettersTowards(patientToEye, on));
       update(this.letters_[index], {x: left + margin + at[0] * (width - 2 * margin),
         y: margin + at[1] * (height - 2 * margin), dy: '0.36em'});
     });
@@ -135,14 +137,14 @@ function drawBar(bar, text, mmPerPlace, {x, y, width}) {
   };
   if (mmPerPlace <= 0 || width === 0) {
     draw('M0 0');
-    text.textContent = '';
+    setText(text, '');
     return;
   }
   const mm = roundLength(width * BAR_SHARE * mmPerPlace);
   const px = mm / mmPerPlace;
   draw(`M${x} ${y - 4}v8M${x} ${y}h${px}m0 -4v8`);
   update(text, {x: x + 6, y: y - 6});
-  text.textContent = mm >= 10 ? `${mm / 10} cm` : `${mm} mm`;
+  setText(text, mm >= 10 ? `${mm / 10} cm` : `${mm} mm`);
 }
 
 /**

@@ -1,5 +1,5 @@
 // The histogram of the volume. Each surface is a handle that the user drags.
-import {h, s, update} from '../elements/dom.js';
+import {h, s, setText, update} from '../elements/dom.js';
 import {isoCommand, plain, roundIso} from '../link/lines.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -49,6 +49,8 @@ export class Histogram {
     this.x_ = d3.scaleLinear();
     /** @private Pixels of a rem. */
     this.rem_ = 13;
+    /** @private Of the histogram, CSS pixels. */
+    this.width_ = 0;
     /** @private @type {Map<string, SVGGElement>} */
     this.handles_ = new Map();
     /** @private */
@@ -66,7 +68,12 @@ export class Histogram {
     root.append(this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
     app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
-    app.store.subscribe(['surfaces', 'volume', 'revision'], () => this.follow_());
+    app.store.subscribe(['surfaces', 'volume'], () => this.follow_());
+    app.store.subscribe(['revision'], () => {
+      if (this.ahead_.size > 0) {
+        this.follow_();
+      }
+    });
     // A restarted server begins again at 1.
     app.connection.on('lost', () => this.ahead_.forEach(ahead => { ahead.revision = 0; }));
     selection.watch(() => this.drawHandles_());
@@ -115,6 +122,7 @@ export class Histogram {
     if (!counts || width === 0) {
       return;
     }
+    this.width_ = width;
     const last = counts.first + counts.width * counts.counts.length;
     this.rem_ = parseFloat(getComputedStyle(document.documentElement).fontSize);
     const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
@@ -177,8 +185,8 @@ export class Histogram {
     const foot = base - size / 2;
     update(beyond, {visibility: way === 0 ? 'hidden' : 'visible',
       d: `M${way * size * 1.2} ${foot}L${way * 3} ${foot - size / 2}V${foot + size / 2}Z`});
-    label.textContent = `${surface.name} ${plain(value, 3)}`;
-    const isLeft = x < this.svg_.clientWidth / 2;
+    setText(label, `${surface.name} ${plain(value, 3)}`);
+    const isLeft = x < this.width_ / 2;
     update(label, {x: isLeft ? size : -size, y: top + size - 1,
       'text-anchor': isLeft ? 'start' : 'end'});
     // The chosen handle is on top. Moving a focused handle would drop the focus and block Tab.
