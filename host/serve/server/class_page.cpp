@@ -7,6 +7,7 @@
 #include <atomic>
 #include <charconv>
 #include <thread>
+#include <vector>
 
 #include "host/base/kernel/signals_blocked.hpp"
 #include "host/serve/server/listener.hpp"
@@ -203,7 +204,11 @@ int ClassPage::Core::send(lws* connection, const PageAnswer& reply) const {
             ? ""
             : fmt::format("{}={}; HttpOnly; SameSite=Lax{}", listener_.rules().cookie_name,
                           reply.secret, listener_.rules().encrypted ? "; Secure" : "");
-    const int kept = answer(connection, reply.status, html, page_text(reply), cookie);
+    std::vector<Header> headers;
+    if (!cookie.empty()) {
+        headers.push_back({WSI_TOKEN_HTTP_SET_COOKIE, cookie});
+    }
+    const int kept = answer(connection, reply.status, html, page_text(reply), headers);
     return reply.status == 200 ? kept : -1;
 }
 

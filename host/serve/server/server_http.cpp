@@ -5,6 +5,7 @@
 #include <array>
 #include <charconv>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "host/serve/server/server_loop.hpp"
 #include "host/serve/server/server_request.hpp"
@@ -133,13 +134,27 @@ int Loop::on_request(lws* connection) {
             return add_slash(connection, request);
         case RouteKind::file:
             // With the page alone: the cookie belongs to the folder of what comes with it.
-            return send_file(connection, route.file, route.file.is_page ? verdict.cookie : "");
+            return send_file(connection, request, route.file,
+                             route.file.is_page ? verdict.cookie : "");
         default:
             return refuse(connection, 426, "This path accepts WebSocket connections only.");
     }
 }
 
-int Loop::send_file(lws* connection, const ServedFile& file, const std::string& cookie) {
+int Loop::send_file(lws* connection, const Request& request, const ServedFile& file,
+                    const std::string& cookie) {
+    // Downloads may be large: they are sent from the file, not from memory.
+    const bool may_be_gzip = request.method == "GET" && file.attachment.empty() &&
+                             accepts_gzip(header_of(connection, WSI_TOKEN_HTTP_ACCEPT_ENCODING)) &&
+                             header_of(connection, WSI_TOKEN_HTTP_RANGE).empty();
+    if (const std::string* gzip = may_be_gzip ? compressed_.find(file.path) : nullptr) {
+        std::vector<Header> with = {{WSI_TOKEN_HTTP_CONTENT_ENCODING, "gzip"},
+                                    {WSI_TOKEN_HTTP_VARY, "Accept-Encoding"}};
+        if (!cookie.empty()) {
+            with.push_back({WSI_TOKEN_HTTP_SET_COOKIE, cookie});
+        }
+        return answer(connection, 200, file.type.c_str(), *gzip, with);
+    }
     std::string headers;
     if (!cookie.empty()) {
         headers += fmt::format("set-cookie: {}\r\n", cookie);

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "host/serve/server/compressed_files.hpp"
 #include "host/serve/server/listener.hpp"
 #include "host/serve/server/routes.hpp"
 #include "host/serve/server/server_mail.hpp"
@@ -67,7 +68,8 @@ class Loop {
     // server_http.cpp
     int on_http_event(lws* connection, int reason, std::string_view data);
     int on_request(lws* connection);
-    int send_file(lws* connection, const ServedFile& file, const std::string& cookie);
+    int send_file(lws* connection, const Request& request, const ServedFile& file,
+                  const std::string& cookie);
     int begin_upload(lws* connection, const Request& request, bool is_several);
     int end_upload(lws* connection);
     int end_batch(lws* connection, const Request& request);
@@ -98,6 +100,7 @@ class Loop {
 
     Mail& mail_;
     Routes routes_;
+    CompressedFiles compressed_;
     Uploads uploads_;
     std::atomic<bool> stopping_ = false;
     Strangers strangers_;

@@ -63,27 +63,26 @@ Request read_request(lws* connection) {
     return request;
 }
 
-int answer(lws* connection, int status, const char* type, std::string_view text,
-           std::string_view cookie) {
-    std::vector<unsigned char> buffer(LWS_PRE + max_head_bytes + text.size());
+int answer(lws* connection, int status, const char* type, std::string_view bytes,
+           std::span<const Header> headers) {
+    std::vector<unsigned char> buffer(LWS_PRE + max_head_bytes + bytes.size());
     unsigned char* const start = buffer.data() + LWS_PRE;
     unsigned char* const end = start + max_head_bytes;
     unsigned char* at = start;
-    constexpr std::string_view no_store = "no-store";
-    if (lws_add_http_common_headers(connection, static_cast<unsigned>(status), type, text.size(),
+    const auto fails = [&](const Header& header) {
+        return lws_add_http_header_by_token(
+                   connection, static_cast<lws_token_indexes>(header.token),
+                   reinterpret_cast<const unsigned char*>(header.value.data()),
+                   static_cast<int>(header.value.size()), &at, end) != 0;
+    };
+    if (lws_add_http_common_headers(connection, static_cast<unsigned>(status), type, bytes.size(),
                                     &at, end) != 0 ||
-        lws_add_http_header_by_token(connection, WSI_TOKEN_HTTP_CACHE_CONTROL,
-                                     reinterpret_cast<const unsigned char*>(no_store.data()),
-                                     static_cast<int>(no_store.size()), &at, end) != 0 ||
-        (!cookie.empty() &&
-         lws_add_http_header_by_token(connection, WSI_TOKEN_HTTP_SET_COOKIE,
-                                      reinterpret_cast<const unsigned char*>(cookie.data()),
-                                      static_cast<int>(cookie.size()), &at, end) != 0) ||
+        fails({WSI_TOKEN_HTTP_CACHE_CONTROL, "no-store"}) || std::ranges::any_of(headers, fails) ||
         lws_finalize_write_http_header(connection, start, &at, end) != 0) {
         return -1;
     }
-    std::copy(text.begin(), text.end(), start);
-    if (lws_write(connection, start, text.size(), LWS_WRITE_HTTP_FINAL) < 0) {
+    std::copy(bytes.begin(), bytes.end(), start);
+    if (lws_write(connection, start, bytes.size(), LWS_WRITE_HTTP_FINAL) < 0) {
         return -1;
     }
     return lws_http_transaction_completed(connection) != 0 ? -1 : 0;

@@ -1,6 +1,7 @@
 // Requests and answers in libwebsockets' words.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -19,11 +20,15 @@ std::string header_of(lws* connection, int token);
 /// Path and query come decoded.
 Request read_request(lws* connection);
 
-/// Answers the request with a short text. Returns other than 0 to close the connection.
-///
-/// cookie  Value of Set-Cookie; empty: none.
-int answer(lws* connection, int status, const char* type, std::string_view text,
-           std::string_view cookie = {});
+/// A header of an answer.
+struct Header {
+    int token = 0;  ///< One of libwebsockets' WSI_TOKEN_.
+    std::string_view value;
+};
+
+/// Answers the request with bytes that are at hand. Returns other than 0 to close the connection.
+int answer(lws* connection, int status, const char* type, std::string_view bytes,
+           std::span<const Header> headers = {});
 
 /// Sends the browser to another path of this server, or to another server. Returns other than 0 to
 /// close the connection.

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Tests access and the messages of a WebSocket: test_server.py ECHO_SERVER."""
+import gzip
 import json
 import os
 import pathlib
@@ -59,6 +60,45 @@ class Access(Case):
             status, _, body = self.server.request(path)
             self.assertIn(status, (400, 403, 404), path)
             self.assertNotIn(b"secret\n", body + b"\n", path)
+
+    def test_the_page_is_compressed_for_those_who_accept_gzip(self):
+        for path in ("/", "/main.js", "/d3.js"):
+            _, plain_headers, plain = self.server.request(path)
+            self.assertNotIn("content-encoding", plain_headers)
+            for accepted in ("gzip", "br, gzip", "deflate;q=1, gzip ; q=0.5"):
+                status, headers, body = self.server.request(
+                    path, headers={"Accept-Encoding": accepted})
+                self.assertEqual((status, headers["content-encoding"]), (200, "gzip"), accepted)
+                self.assertEqual(gzip.decompress(body), plain)
+                self.assertEqual(headers["vary"], "Accept-Encoding")
+                self.assertEqual(headers["content-type"], plain_headers["content-type"])
+                self.assertEqual("set-cookie" in headers, "set-cookie" in plain_headers)
+                self.assertEqual(headers["cache-control"], "no-store")
+                self.assertIn("default-src 'self'", headers["content-security-policy"])
+            for accepted in ("identity", "gzip;q=0", "gzip;q=0.000", "xgzip", "br"):
+                _, headers, body = self.server.request(path, headers={"Accept-Encoding": accepted})
+                self.assertNotIn("content-encoding", headers, accepted)
+                self.assertEqual(body, plain)
+            _, headers, body = self.server.request(path, method="HEAD",
+                                                   headers={"Accept-Encoding": "gzip"})
+            self.assertEqual((headers["content-length"], body), (str(len(plain)), b""))
+            self.assertNotIn("content-encoding", headers)
+        status, headers, body = self.server.request("/download/mesh.ply",
+                                                    headers={"Accept-Encoding": "gzip"})
+        self.assertNotIn("content-encoding", headers)
+        self.assertEqual((status, body), self.server.request("/download/mesh.ply")[::2])
+        self.assertEqual(status, 200)
+
+    def test_a_changed_file_is_compressed_again(self):
+        gzip_only = {"Accept-Encoding": "gzip"}
+        page = pathlib.Path(self.folder) / "page"
+        for text in (b"// one\n", b"// another one\n" * 1000):
+            (page / "main.js").write_bytes(text)
+            body = self.server.request("/main.js", headers=gzip_only)[2]
+            self.assertEqual(gzip.decompress(body), text)
+        self.assertLess(len(body), 200)
+        (page / "main.js").unlink()
+        self.assertEqual(self.server.request("/main.js", headers=gzip_only)[0], 404)
 
     def test_methods_and_upgrades_that_do_not_fit_are_refused(self):
         self.assertEqual(self.server.request("/", method="POST", body=b"x")[0], 405)
