@@ -42,7 +42,7 @@ function quantile(samples, share) {
   return sorted[Math.min(sorted.length - 1, Math.floor(share * sorted.length))] ?? NaN;
 }
 
-/** Drags to and fro for as long as asked. A mouse reports at least so many moves a second. */
+/** Drags to and fro for as long as asked, with at most MOVES_PER_S moves a second. */
 async function swing(page, at, { x, y }) {
   await page.evaluate(forget);
   await page.evaluate(() => { globalThis.pxpl5.warp.pointer_ms.length = 0; });
@@ -52,7 +52,9 @@ async function swing(page, at, { x, y }) {
   const moves = [];
   for (let s = 0; s < seconds; s = (performance.now() - begin) / 1000) {
     const way = Math.sin(2 * Math.PI * s / SWING_S) * SWING_PX;
-    moves.push(page.mouse.move(at.x + x * way, at.y + y * way));
+    const move = page.mouse.move(at.x + x * way, at.y + y * way);
+    move.catch(() => {});  // It is awaited below, and may fail before.
+    moves.push(move);
     await sleep(1000 / MOVES_PER_S);
   }
   await Promise.all(moves);

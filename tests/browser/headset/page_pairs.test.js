@@ -51,7 +51,7 @@ test('the next pose goes out when its pair has come, and not before', async () =
   assert.deepEqual(taken, [2]);
 });
 
-test('a pose without a reply is given up after 10 s, one without a pair 1 s after it', async () => {
+test('the next pose goes out after 10 s without a reply, or 1 s without a pair', async () => {
   const { pairs, ask, reply } = makePairs();
   const silent = ask();
   now += 9999;
@@ -112,7 +112,7 @@ test('a pair without its depths is told and acknowledged, and the next one is sh
   assert.equal(pairs.shown.pose, whole.message.pose);
 });
 
-test('after a loss the next pose goes out at once, and a restarted server counts from 1', async () => {
+test('after a loss the next pose goes out at once, and revisions begin again', async () => {
   const { pairs, ask, arrive, acts } = makePairs();
   pairs.forget(50);
   ask();

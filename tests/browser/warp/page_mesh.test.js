@@ -107,7 +107,7 @@ test('neighbors share their corners, and blocks differ little from the depths', 
   assert.ok(long > 30, `${long}`);
 });
 
-/** Of a triangle that a warp moves: how much longer it becomes, at most. */
+/** How much longer a triangle becomes at most if a warp moves it. */
 function stretchOf(lean, corners, warp, [width, height]) {
   const [a, b, c] = corners.map(corner => placeOf(lean, corner));
   const [p, q, r] = corners.map(corner => {
@@ -133,9 +133,44 @@ function turnOf(degrees, w, zoom) {
                            0, 0, 0, 1]);
 }
 
+/** The depth that the triangles show at a place; undefined if none is there. */
+function depthAt(lean, mesh, x, y) {
+  for (const { all } of trianglesOf(lean, mesh)) {
+    const [a, b, c] = all.map(corner => placeOf(lean, corner)), p = [x, y];
+    const parts = [[b, c, p], [c, a, p], [a, b, p]].map(areaOf);
+    if (parts.every(part => part >= 0)) {
+      const sum = parts[0] + parts[1] + parts[2];
+      return all.reduce((depth, corner, k) => depth + lean.corners[corner] * parts[k] / sum, 0);
+    }
+  }
+  return undefined;
+}
+
+test('blocks show each place at nearly the depth of its cell', () => {
+  const lean = { ...picture(), seams: [] }, { columns } = lean;
+  lean.mask.fill(0xff);
+  // The diagonals of one cell are far apart: of the upper left one, of the lower right one.
+  [[0, 6, 0, 6, -6, 0, 0, 0, 0], [0, 0, 0, 0, -6, 6, 0, 6, 0]].forEach((rough, block) => {
+    for (let i = 0; i < 9; i++) {
+      const corner = (2 + Math.floor(i / 3)) * columns + 2 + 4 * block + i % 3;
+      lean.corners[corner] = 1000 + rough[i];
+    }
+  });
+  const covered = coveredCells(lean, WIDTH, HEIGHT);
+  const [blocks, cells] = [true, false].map(hasBlocks =>
+    meshOf(lean, covered, WIDTH, HEIGHT, hasBlocks));
+  assert.ok(blocks.triangles.length < cells.triangles.length);
+  for (let y = 0.5; y < HEIGHT - 5; y += 1.5) {
+    for (let x = 0.5; x < WIDTH - 6; x += 1.5) {
+      const difference = depthAt(lean, blocks, x, y) - depthAt(lean, cells, x, y);
+      assert.ok(Math.abs(difference) <= ROUNDING + 1e-9, `${x} ${y}: ${difference}`);
+    }
+  }
+});
+
 test('calm cells become at most three times longer, whatever the warp', () => {
   const lean = picture(), covered = coveredCells(lean, WIDTH, HEIGHT);
-  let calmest = 0, torn = 0;
+  let calmest = 0, torn = 0, partial = 0;
   for (const hasBlocks of [true, false]) {
     const mesh = meshOf(lean, covered, WIDTH, HEIGHT, hasBlocks);
     for (const degrees of [0, 2, 10, 25, -40, 70]) {
@@ -149,13 +184,34 @@ test('calm cells become at most three times longer, whatever the warp', () => {
           for (const { at, all } of trianglesOf(lean, mesh)) {
             const stretch = stretchOf(lean, all, warp, viewport) / scale;
             torn += stretch > MOST ? 1 : 0;
-            if (at < end) assert.ok(stretch <= MOST + 1e-6, `${degrees} ${w}: ${stretch}`);
+            const isCalm = at < end || at >= mesh.partialEnds[calm];
+            if (isCalm) assert.ok(stretch <= MOST + 1e-6, `${degrees} ${w}: ${stretch}`);
+            partial += at >= mesh.partialEnds[calm] ? 1 : 0;
           }
         }
       }
     }
   }
-  assert.ok(calmest > 1000 && torn > 100, `${calmest} ${torn}`);
+  assert.ok(calmest > 1000 && torn > 100 && partial > 100, `${calmest} ${torn} ${partial}`);
+});
+
+test('cells that show the background lie behind the others, the steepest first', () => {
+  const lean = picture(), covered = coveredCells(lean, WIDTH, HEIGHT), { columns } = lean;
+  const mesh = meshOf(lean, covered, WIDTH, HEIGHT, false), found = new Set();
+  for (let calm = 1; calm < 14; calm++) {
+    let expected = 0;
+    covered.forEach((value, cell) => {
+      const [x, y] = [cell % (columns - 1), Math.floor(cell / (columns - 1))];
+      const isNarrow = 4 * (x + 1) > WIDTH || 4 * (y + 1) > HEIGHT;
+      const depths = [0, 1, columns, columns + 1].map(k => lean.corners[y * columns + x + k]);
+      const range = Math.max(...depths) - Math.min(...depths);
+      const isCalm = !isNarrow && range < 2 ** (calm - 1);
+      expected += value === 1 && cell !== lean.seams[0].cell && isCalm ? 2 : 0;
+    });
+    assert.equal((mesh.triangles.length - mesh.partialEnds[calm]) / 3, expected, `${calm}`);
+    found.add(expected);
+  }
+  assert.ok(found.size > 2, `${[...found]}`);
 });
 
 test('blocks are shown only if they move nothing by more than half a pixel', () => {

@@ -77,6 +77,7 @@ export async function loadModules() {
         mesh.meshOf = hasBlocks => {
           const made = meshOf(hasBlocks);
           made.fullEnds.fill(0);
+          made.partialEnds.fill(made.triangles.length);
           return made;
         };
       }

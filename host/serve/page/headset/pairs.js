@@ -199,12 +199,14 @@ export class Pairs {
       throw new Error(`pair ${pose}: the message has depths of ${depths.length} pictures, but `
         + `${views} views of ${layers} layers need ${views * layers}. The server reports why.`);
     }
-    const leans = await Promise.all(depths.map(each => unpack(each, width, height)));
-    const bitmap = await bitmapOfFile(frame);
+    const decoding = bitmapOfFile(frame);
+    const unpacking = Promise.all(depths.map(each => unpack(each, width, height)));
+    unpacking.catch(() => {});  // It is awaited below, also if it fails first.
+    const bitmap = await decoding;
     try {
-      const asked = this.asked_.get(pose);
-      // Nothing goes back in time.
-      if (asked && pose >= (this.shown?.pose ?? 0) && revision >= this.leastRevision_) {
+      const leans = await unpacking, asked = this.asked_.get(pose);
+      // Nothing goes back in time: poses before that of the pair on the screen are forgotten.
+      if (asked && revision >= this.leastRevision_) {
         this.painter_.take(bitmap, leans);
         this.keep_(asked, header);
       }

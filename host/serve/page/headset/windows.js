@@ -1,5 +1,6 @@
 // Off-axis windows around the patient: each eye's picture shows the sphere and little else.
-// A head that only turns needs no new pictures, and no pixel is spent on the room.
+// A head that only turns needs no new pictures, unless it is near or within the patient. No pixel
+// shows the room.
 import {add, cross, dot, length, minus, rotated, times, unit} from './rigid.js';
 
 /** @typedef {import('./rigid.js').Pose} Pose */

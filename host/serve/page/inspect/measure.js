@@ -136,8 +136,11 @@ class MeasurePanel {
   }
 
   draw() {
-    if (this.distances.length === 0 && !this.first && this.drawing.childElementCount === 0) {
-      return;  // Is called for each picture.
+    if (this.distances.length === 0 && !this.first) {
+      if (this.drawing.childElementCount > 0) {
+        this.drawing.replaceChildren();
+      }
+      return;
     }
     this.drawing.replaceChildren(...this.app.picture.eyes().map(eye =>
       s('g', {class: `eye-${eye.name}`}, ...this.marks(eye))));

@@ -4,7 +4,7 @@ import {CELL_PX, FULL, MAX_LEAN} from './lean_depths.js';
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 
 export const SEAM_COLUMNS = 1024;   // Texels per row of the texture of seams.
-const BUCKETS = 14;                 // Of ranges of depth in a cell: 0, 1, 2 to 3, 4 to 7 ...
+const BUCKETS = 14;                 // By the range of depths in a cell: 0, 1, 2 to 3, 4 to 7 ...
 const SEAMS = BUCKETS, NOWHERE = 2 * BUCKETS + 1;  // Orders of a cell that has no bucket.
 const NARROW = BUCKETS - 1;         // Of cells that the border of the picture makes narrower.
 const ROUNDING = 6;                 // Blocks differ from the depths by at most this.
@@ -209,8 +209,16 @@ class Blocks {
     const middle = corner + columns + 1, below = middle + columns + 1;
     const a = z[corner], b = z[corner + 2], c = z[below - 2], d = z[below];
     return isNear(z[corner + 1], a, b) && isNear(z[middle - 1], a, c) && isNear(z[middle], b, c)
-      && isNear(z[middle + 1], b, d) && isNear(z[below - 1], c, d);
+      && isNear(z[middle + 1], b, d) && isNear(z[below - 1], c, d)
+      // Around the middle, triangles divide two of the cells along their other diagonals.
+      && isSmooth(z[corner + 1] + z[middle - 1], a + z[middle])
+      && isSmooth(z[middle + 1] + z[below - 1], z[middle] + d);
   }
+}
+
+/** Whether both diagonals of a cell meet at nearly one depth. Each is the sum of its ends. */
+function isSmooth(/** @type {number} */ a, /** @type {number} */ b) {
+  return Math.abs(a - b) <= 2 * ROUNDING;
 }
 
 /** Whether a depth is nearly the mean of two. */

@@ -49,7 +49,7 @@ export class Histogram {
     this.x_ = d3.scaleLinear();
     /** @private Pixels of a rem. */
     this.rem_ = 13;
-    /** @private Of the histogram, CSS pixels. */
+    /** @private Width of the histogram, CSS pixels. */
     this.width_ = 0;
     /** @private @type {Map<string, SVGGElement>} */
     this.handles_ = new Map();
