@@ -68,14 +68,19 @@ struct RendererNode::Drawing {
           programs(region_frame(plan.programs)) {
         const schema::DrawFrame& draw = *inputs.begin->as<schema::BeginFrame>()->draw();
         regions_per_view = region_count(draw.width(), draw.height(), 1);
-        std::vector<std::size_t> regions(
+        std::vector<OutputRegions> counts_of(
             std::min<std::size_t>(draw.views()->size(), frame_buffers));
+        const bool reads_depths = !plan.programs.depths.empty();
         for (const FramePlan::Region& region : plan.regions) {
-            ++regions[frame_buffer_of(region.number / regions_per_view, regions.size())];
+            OutputRegions& to =
+                counts_of[frame_buffer_of(region.number / regions_per_view, counts_of.size())];
+            to.all += 1;
+            to.with_pixels += plan.pass.is_last() ? 1 : 0;
+            to.with_depths += reads_depths && draws(region.segments) ? 1 : 0;
         }
-        for (const std::size_t count : regions) {
-            outputs.emplace_back(
-                count, OutputContents{plan.pass.is_last(), !plan.programs.depths.empty()}, memory);
+        for (OutputRegions& each : counts_of) {
+            each.reads_depths = reads_depths;
+            outputs.emplace_back(each, memory);
         }
     }
     RegionOutput& output_of(const FramePlan::Region& region) {
@@ -314,6 +319,7 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
     const std::size_t place = drawing_->next_region++;
     FramePlan::Region& region = drawing_->plan.regions[place];
     RegionOutput& output = drawing_->output_of(region);
+    const bool has_depths = !drawing_->programs.depths.empty() && draws(region.segments);
     // Discards the readout of segments. Our GPs' segments read nothing out.
     const auto route = [&](PartKind kind) {
         drawing.enter(kind < PartKind::depths ? stage::primitives : stage::end_of_region);
@@ -336,7 +342,7 @@ void RendererNode::draw_next_region(bus::StageClock* clock) {
                     drawing_->plan.counts ? Counting::each_part : Counting::whole_region);
     drawing.enter(stage::plan);
     executor_.read_out_into({});
-    output.add({static_cast<std::uint16_t>(region.number), result.counts.cycles,
+    output.add({static_cast<std::uint16_t>(region.number), has_depths, result.counts.cycles,
                 result.counts.instructions});
     for (const PartCounts& part : result.parts) {
         drawing_->counts.push_back(to_wire(region.number, part));

@@ -11,22 +11,19 @@ namespace schema = bus::schema;
 /// Bytes of a body besides its pixels and tiles.
 constexpr std::size_t body_margin_bytes = 1024;
 
-/// Returns the size of the body that sends `regions` regions to the frame buffer.
-std::size_t body_bytes(std::size_t regions, const OutputContents& contents) {
-    const std::size_t words =
-        region_pixels * ((contents.pixels ? 1 : 0) + (contents.depths ? 1 : 0));
-    return regions * (words * sizeof(std::uint32_t) + sizeof(schema::RegionTile)) +
+/// Returns the size of the body that sends `regions` to the frame buffer.
+std::size_t body_bytes(const OutputRegions& regions) {
+    const std::size_t words = region_pixels * (regions.with_pixels + regions.with_depths);
+    return words * sizeof(std::uint32_t) + regions.all * sizeof(schema::RegionTile) +
            body_margin_bytes;
 }
 
 }  // namespace
 
-RegionOutput::RegionOutput(std::size_t regions, const OutputContents& contents,
-                           flatbuffers::Allocator* memory)
-    : body_(body_bytes(regions, contents), memory),
-      pixels_(room_for(contents.pixels ? regions : 0)) {
-    if (contents.depths) {
-        depths_ = room_for(regions);
+RegionOutput::RegionOutput(const OutputRegions& regions, flatbuffers::Allocator* memory)
+    : body_(body_bytes(regions), memory), pixels_(room_for(regions.with_pixels)) {
+    if (regions.reads_depths) {
+        depths_ = room_for(regions.with_depths);
     }
 }
 
@@ -37,9 +34,9 @@ RegionOutput::Words RegionOutput::room_for(std::size_t regions) {
     return {offset, {first, count}};
 }
 
-std::span<std::uint32_t> RegionOutput::next_of(const Words& words) const {
+std::span<std::uint32_t> RegionOutput::next_of(const Words& words, std::size_t regions) {
     return words.words.empty() ? std::span<std::uint32_t>()
-                               : words.words.subspan(tiles_.size() * region_pixels, region_pixels);
+                               : words.words.subspan(regions * region_pixels, region_pixels);
 }
 
 bus::Payload RegionOutput::finish(std::uint32_t frame, std::uint32_t renderer, double moved_mm) {

@@ -152,12 +152,13 @@ std::string range_of(const schema::RegionPixels& pixels) {
         .length("moved_mm", pixels.moved_mm())
         .equal("number of pixels", std::size_t{pixels.pixels()->size()},
                pixels.pixels()->size() == 0 ? 0 : wanted);
-    if (pixels.depths() != nullptr) {
-        check.equal("number of depths", std::size_t{pixels.depths()->size()}, wanted);
-    }
+    std::size_t with_depths = 0;
     for (const auto* tile : *pixels.tiles()) {
         check.at_most("region", tile->region(), max_regions - 1);
+        with_depths += tile->has_depths() ? 1 : 0;
     }
+    const std::size_t depths = pixels.depths() == nullptr ? 0 : pixels.depths()->size();
+    check.equal("number of depths", depths, with_depths * region_pixels);
     return check.reason();
 }
 

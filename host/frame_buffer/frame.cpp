@@ -13,12 +13,11 @@ namespace {
 
 constexpr std::uint32_t full_alpha = 0xff000000;
 
-/// Copies one region into its place, cropped to the view, and calls `finish` with each row there.
-template <typename Finish>
-void copy_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
-                 std::span<std::uint32_t> picture, const Finish& finish) {
+/// Calls `put` with the number and the place of each row of a region, cropped to the view.
+template <typename Put>
+void each_row(const FrameShape& shape, int region, std::span<std::uint32_t> picture,
+              const Put& put) {
     assert(region >= 0 && region < shape.regions());
-    assert(tile.size() == region_pixels);
     assert(picture.size() == shape.pixels());
     const int per_view = shape.columns() * shape.rows();
     const int view = region / per_view, in_view = region % per_view;
@@ -27,13 +26,18 @@ void copy_region(const FrameShape& shape, int region, std::span<const std::uint3
     const int width = std::min(region_px, shape.width - left);
     const int height = std::min(region_px, shape.height - top);
     for (int y = 0; y < height; ++y) {
-        const std::uint32_t* from = tile.data() + std::ptrdiff_t{y} * region_px;
-        std::uint32_t* to =
-            picture.data() +
-            static_cast<std::ptrdiff_t>(view * shape.height + top + y) * shape.width + left;
-        std::copy_n(from, width, to);  // Quicker than a copy that changes the words.
-        finish(std::span(to, static_cast<std::size_t>(width)));
+        const std::size_t first = static_cast<std::size_t>(view * shape.height + top + y) *
+                                      static_cast<std::size_t>(shape.width) +
+                                  static_cast<std::size_t>(left);
+        put(static_cast<std::size_t>(y), picture.subspan(first, static_cast<std::size_t>(width)));
     }
+}
+
+/// The words of a row of a region.
+std::span<const std::uint32_t> row_of(std::span<const std::uint32_t> tile, std::size_t y,
+                                      std::size_t width) {
+    assert(tile.size() == region_pixels);
+    return tile.subspan(y * static_cast<std::size_t>(region_px), width);
 }
 
 }  // namespace
@@ -65,8 +69,9 @@ std::optional<std::size_t> Frame::own_region(std::size_t region) const {
 
 void place_region(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> picture) {
-    copy_region(shape, region, tile, picture, [](std::span<std::uint32_t> row) {
-        for (std::uint32_t& pixel : row) {
+    each_row(shape, region, picture, [&](std::size_t y, std::span<std::uint32_t> row) {
+        std::ranges::copy(row_of(tile, y, row.size()), row.begin());
+        for (std::uint32_t& pixel : row) {  // Quicker than a copy that changes the words.
             pixel |= full_alpha;
         }
     });
@@ -74,7 +79,15 @@ void place_region(const FrameShape& shape, int region, std::span<const std::uint
 
 void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> depths) {
-    copy_region(shape, region, tile, depths, [](std::span<std::uint32_t>) {});
+    each_row(shape, region, depths, [&](std::size_t y, std::span<std::uint32_t> row) {
+        std::ranges::copy(row_of(tile, y, row.size()), row.begin());
+    });
+}
+
+void fill_region(const FrameShape& shape, int region, std::uint32_t word,
+                 std::span<std::uint32_t> picture) {
+    each_row(shape, region, picture,
+             [word](std::size_t, std::span<std::uint32_t> row) { std::ranges::fill(row, word); });
 }
 
 }  // namespace pxpl5::host

@@ -62,4 +62,8 @@ void place_region(const FrameShape& shape, int region, std::span<const std::uint
 void place_depths(const FrameShape& shape, int region, std::span<const std::uint32_t> tile,
                   std::span<std::uint32_t> depths);
 
+/// Gives all pixels of a region the same word.
+void fill_region(const FrameShape& shape, int region, std::uint32_t word,
+                 std::span<std::uint32_t> picture);
+
 }  // namespace pxpl5::host

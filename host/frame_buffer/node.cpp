@@ -112,7 +112,7 @@ void check_tiles(const Frame& frame, const schema::RegionPixels& pixels) {
 void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
     check_tiles(frame, pixels);
     const std::span<const std::uint32_t> words(pixels.pixels()->data(), pixels.pixels()->size());
-    std::size_t at = 0;
+    std::size_t at = 0, depths_at = 0;
     for (const schema::RegionTile* tile : *pixels.tiles()) {
         const std::size_t own = *frame.own_region(tile->region());
         const int region = static_cast<int>(own);
@@ -122,9 +122,12 @@ void take_tiles(Frame& frame, const schema::RegionPixels& pixels) {
         if (frame.read_back) {
             place_region(frame.shape, region, words.subspan(at, region_pixels), frame.picture);
         }
-        if (frame.read_depths) {
-            place_depths(frame.shape, region, {pixels.depths()->data() + at, region_pixels},
+        if (tile->has_depths()) {
+            place_depths(frame.shape, region, {pixels.depths()->data() + depths_at, region_pixels},
                          frame.depths);
+            depths_at += region_pixels;
+        } else if (frame.read_depths) {
+            fill_region(frame.shape, region, isa::region::background_depth, frame.depths);
         }
         at += region_pixels;
     }

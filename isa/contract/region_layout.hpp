@@ -31,6 +31,8 @@ inline constexpr std::uint32_t z_fraction_bits =
 inline constexpr std::uint32_t normal_fraction_bits = 16;  ///< Fraction bits of normal planes.
 inline constexpr std::int32_t normal_unit = 510;  ///< Length of a unit normal in field units.
 inline constexpr std::uint32_t z_far = (1U << 24) - 1;
+/// A pixel's depth where no surface is, as it is read out: z above the surface field.
+inline constexpr std::uint32_t background_depth = z_far << surface.width;
 inline constexpr std::uint32_t z_margin = 1U
                                           << 10;  ///< Drawn z are in z_margin .. z_far - z_margin.
 inline constexpr int subpixel_bits = 4;           ///< Vertices are snapped to 1/16 pixel.

@@ -82,7 +82,7 @@ class Planner {
             }
         }
         leave_door();
-        if (!frame_.depths.empty()) {
+        if (!frame_.depths.empty() && draws(segments)) {
             add(PartKind::depths, frame_.depths);
         }
         add(PartKind::end_of_region, frame_.end_of_region);
@@ -126,6 +126,10 @@ class Planner {
 };
 
 }  // namespace
+
+bool draws(std::span<const Segment> segments) {
+    return std::ranges::any_of(segments, [](const Segment& s) { return !s.words.empty(); });
+}
 
 void check_own(const RegionFrame& frame) {
     const auto check = [](const char* name, Words words) {

@@ -26,6 +26,9 @@ struct Segment {
     std::uint32_t first_word = 0;  ///< Offset of `words` in the GP's stream for the region.
 };
 
+/// Whether a segment draws anything in its region.
+bool draws(std::span<const Segment> segments);
+
 /// A skipped segment and the reason.
 struct SegmentFault {
     std::uint32_t surface = 0, slab = 0, gp = 0;

@@ -71,10 +71,12 @@ void check(const RegionPixels& pixels) {
     in("renderer", pixels.renderer(), 0, max_nodes - 1);
     require(std::isfinite(pixels.moved_mm()) && pixels.moved_mm() >= 0, "moved_mm");
     require(pixels.pixels()->size() == 0 || pixels.pixels()->size() == all, "pixels");
-    require(pixels.depths() == nullptr || pixels.depths()->size() == all, "depths");
+    std::size_t depths = 0;
     for (const RegionTile* tile : *pixels.tiles()) {
         in("region", tile->region(), 0, most_regions - 1);
+        depths += tile->has_depths() ? region_pixels : 0;
     }
+    require(length(pixels.depths()) == depths, "depths");
 }
 
 void check(const FrameDone& done) {

@@ -236,6 +236,11 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(RegionPixelsT, m.renderer = 256, "renderer is 256");
         CHECK_REFUSED(RegionPixelsT, m.pixels.pop_back(), "is 16383, expected 16384");
         CHECK_REFUSED(RegionPixelsT, m.tiles[0].mutate_region(9000), "region is 9000");
+        CHECK_REFUSED(RegionPixelsT, m.tiles[0].mutate_has_depths(false),
+                      "number of depths is 16384, expected 0");
+        CHECK_REFUSED(RegionPixelsT, m.depths.clear(), "number of depths is 0, expected 16384");
+        CHECK_REFUSED(RegionPixelsT, m.depths.pop_back(),
+                      "number of depths is 16383, expected 16384");
         CHECK_REFUSED(FrameDoneT, m.moved_mm = INFINITY, "moved_mm is inf");
         CHECK_REFUSED(FrameDoneT, m.views = 3, "views is 3");
         CHECK_REFUSED(FrameDoneT, m.pixels.pop_back(), "number of pixels is 7, expected 8");

@@ -39,18 +39,22 @@ void each_pixel(const RecordedFrame& frame, std::uint32_t region, const Visit& v
 
 /// The region, if the message has it.
 std::optional<RecordedTile> tile_in(const schema::RegionPixels& sent, std::uint32_t region) {
-    for (std::uint32_t i = 0; i < sent.tiles()->size(); ++i) {
-        const schema::RegionTile& tile = *sent.tiles()->Get(i);
-        if (tile.region() == region) {
-            const auto part_of = [i](const flatbuffers::Vector<std::uint32_t>* words) {
+    std::size_t before = 0, depths_before = 0;
+    for (const schema::RegionTile* tile : *sent.tiles()) {
+        if (tile->region() == region) {
+            const auto part_of = [](const flatbuffers::Vector<std::uint32_t>* words,
+                                    std::size_t regions) {
                 return words == nullptr || words->size() == 0
                            ? std::span<const std::uint32_t>()
-                           : std::span(words->data() + i * region_pixels, region_pixels);
+                           : std::span(words->data() + regions * region_pixels, region_pixels);
             };
-            return RecordedTile{part_of(sent.pixels()),
-                                part_of(sent.depths()),
-                                {tile.instructions(), tile.cycles()}};
+            return RecordedTile{part_of(sent.pixels(), before),
+                                tile->has_depths() ? part_of(sent.depths(), depths_before)
+                                                   : std::span<const std::uint32_t>(),
+                                {tile->instructions(), tile->cycles()}};
         }
+        before += 1;
+        depths_before += tile->has_depths() ? 1 : 0;
     }
     return std::nullopt;
 }

@@ -16,7 +16,8 @@ namespace pxpl5::host::inspect {
 /// A region as its Renderer sent it.
 struct RecordedTile {
     std::span<const std::uint32_t> pixels;  ///< 128 * 128, row by row. Points into the frame.
-    std::span<const std::uint32_t> depths;  ///< Likewise; empty if the frame wanted none.
+    std::span<const std::uint32_t> depths;  ///< Likewise; empty if the frame wanted none, or
+                                            ///< if nothing is drawn in the region.
     isa::RunCounts counts;
 };
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
+#include <functional>
 #include <memory>
 #include <random>
 #include <string>
@@ -153,9 +154,11 @@ struct Scenario {
         // Last region first: the order within a message is the Renderer's own.
         for (std::size_t r = regions.size(); r-- > 0;) {
             if (assignment[r] == renderer && view_of(r) % place.count == place.index) {
-                message.tiles.emplace_back(static_cast<std::uint16_t>(r), cycles[r], 3 * cycles[r]);
+                const bool has_depths = read_depths && is_drawn(r);
+                message.tiles.emplace_back(static_cast<std::uint16_t>(r), has_depths, cycles[r],
+                                           3 * cycles[r]);
                 message.pixels.insert(message.pixels.end(), regions[r].begin(), regions[r].end());
-                for (std::size_t i = 0; read_depths && i < regions[r].size(); ++i) {
+                for (std::size_t i = 0; has_depths && i < regions[r].size(); ++i) {
                     message.depths.push_back(depth_of(regions[r][i]));
                 }
             }
@@ -163,7 +166,14 @@ struct Scenario {
         return message;
     }
     bus::Payload pixels(int renderer, const FrameBufferPlace& place = {}) const {
-        return bus::pack(tiles(renderer, place));
+        flatbuffers::FlatBufferBuilder body;
+        const schema::RegionPixelsT message = tiles(renderer, place);
+        const auto sent = body.CreateVectorOfStructs(message.tiles);
+        const auto words = body.CreateVector(message.pixels);
+        // Present if the frame reads them, even if no region has any. bus::pack() drops them then.
+        const auto depths = read_depths ? body.CreateVector(message.depths) : 0;
+        return bus::finish(body, schema::CreateRegionPixels(body, message.frame, message.renderer,
+                                                            sent, words, depths));
     }
     int view_of(std::size_t region) const {
         return static_cast<int>(region) / (columns() * rows());
@@ -178,20 +188,24 @@ struct Scenario {
     }
     /// Here depths are made from pixels, with any bit set or clear.
     static std::uint32_t depth_of(std::uint32_t pixel) { return pixel * 0x9E3779B1U; }
+    /// Every third region shows the background only: its depths are not sent.
+    static bool is_drawn(std::size_t region) { return region % 3 != 1; }
     std::vector<std::uint32_t> expected_depths() const {
-        std::vector<std::uint32_t> depths = words();
-        std::ranges::transform(depths, depths.begin(), depth_of);
-        return depths;
+        return words([](std::size_t region, std::uint32_t pixel) {
+            return is_drawn(region) ? depth_of(pixel) : 0xFFFF'FF00;
+        });
     }
-    std::vector<std::uint32_t> words() const {
+    std::vector<std::uint32_t> words(
+        const std::function<std::uint32_t(std::size_t, std::uint32_t)>& word_of =
+            [](std::size_t, std::uint32_t pixel) { return pixel; }) const {
         std::vector<std::uint32_t> picture;
         for (int view = 0; view < views; ++view) {
             for (int y = 0; y < height; ++y) {
                 for (int x = 0; x < width; ++x) {
                     const int region = (view * rows() + y / side) * columns() + x / side;
                     const int pixel = y % side * side + x % side;
-                    picture.push_back(
-                        regions[static_cast<std::size_t>(region)][static_cast<std::size_t>(pixel)]);
+                    const auto r = static_cast<std::size_t>(region);
+                    picture.push_back(word_of(r, regions[r][static_cast<std::size_t>(pixel)]));
                 }
             }
         }

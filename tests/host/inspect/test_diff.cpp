@@ -136,7 +136,8 @@ TEST_CASE("other counts of cycles are a difference") {
     Traces b = a;
     test::change<schema::RegionPixels>(b, [](schema::RegionPixelsT& pixels) {
         const schema::RegionTile& t = pixels.tiles[0];
-        pixels.tiles[0] = schema::RegionTile(t.region(), t.cycles() + 1, t.instructions());
+        pixels.tiles[0] =
+            schema::RegionTile(t.region(), t.has_depths(), t.cycles() + 1, t.instructions());
     });
     has(diff(a, b), "modelled cycles in A");
 }

@@ -3,6 +3,7 @@
 
 #include "host/base/error.hpp"
 #include "host/inspect/listing/run_stats.hpp"
+#include "host/inspect/record/recorded_results.hpp"
 #include "host/inspect/replay/replay.hpp"
 #include "host/inspect/step/step_view.hpp"
 #include "host/phantom/phantom.hpp"
@@ -183,6 +184,34 @@ TEST_SUITE("pick") {
                           "pixel (300, 3) is outside of the picture, which has 300 x 200 pixels, "
                           "counted from 0");
         CHECK_THROWS_AS(host::pick(view, 0, -1, recorded.volume()), host::RequestError);
+    }
+    TEST_CASE("a recorded region has the depths that its Renderer sent, or shows the background") {
+        RecordedSurface recorded(host::make_phantom("phantom:sphere"), 2, 2);
+        recorded.add_surface(sphere_surface);
+        recorded.draw({{30, 25}, 0.5}, width, height, wants_depths);
+        const inspect::RecordedRun run = recorded.run();
+        const Depths depths(run);
+        std::vector<int> counts(2);  // Regions without and with depths.
+        constexpr int across = 3, regions = 6, px = 128;
+        for (int region = 0; region < regions; ++region) {
+            const auto tile = inspect::tile_of(depths.frame, static_cast<std::uint32_t>(region));
+            REQUIRE(tile);
+            ++counts[tile->depths.empty() ? 0 : 1];
+            int wrong = 0;
+            for (int y = 0; y < px && region / across * px + y < height; ++y) {
+                for (int x = 0; x < px && region % across * px + x < width; ++x) {
+                    const auto at = static_cast<std::size_t>(y * px + x);
+                    const std::uint32_t word =
+                        tile->depths.empty() ? 0xFFFF'FF00 : tile->depths[at];
+                    wrong += depths.at(region % across * px + x, region / across * px + y) == word
+                                 ? 0
+                                 : 1;
+                }
+            }
+            CHECK(wrong == 0);
+        }
+        CHECK(counts[0] >= 2);
+        CHECK(counts[1] >= 2);
     }
     TEST_CASE("where slices are unevenly spaced, the point's slice is counted by their places") {
         host::Volume volume = host::make_phantom("phantom:sphere");

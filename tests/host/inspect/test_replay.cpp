@@ -126,8 +126,9 @@ TEST_CASE("a wrong count of instructions or cycles is a difference") {
         std::vector<inspect::NodeTrace> traces = traced.traces();
         test::change<schema::RegionPixels>(traces, [&](schema::RegionPixelsT& pixels) {
             const schema::RegionTile& t = pixels.tiles[0];
-            pixels.tiles[0] = schema::RegionTile(t.region(), t.cycles() + (cycles ? 1 : 0),
-                                                 t.instructions() + (cycles ? 0 : 1));
+            pixels.tiles[0] =
+                schema::RegionTile(t.region(), t.has_depths(), t.cycles() + (cycles ? 1 : 0),
+                                   t.instructions() + (cycles ? 0 : 1));
         });
         CHECK_FALSE(inspect::replay(inspect::RecordedRun(std::move(traces)), {}).agrees());
     }

@@ -118,7 +118,7 @@ std::vector<Payload> frame_examples() {
     pixels.frame = 4;
     pixels.renderer = 1;
     pixels.moved_mm = 1.25;
-    pixels.tiles = {schema::RegionTile(3, 20'000, 1500)};
+    pixels.tiles = {schema::RegionTile(3, true, 20'000, 1500)};
     pixels.pixels.assign(region_pixels, 0xff336699);
     pixels.depths.assign(region_pixels, 0xffffff00);
     schema::FrameDoneT done;
