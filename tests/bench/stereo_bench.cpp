@@ -34,12 +34,15 @@ struct Kind {
     const char* name;
     host::StereoMode stereo;
     host::ReadBack read_back;
+    host::PairForm form = host::PairForm::composed;
 };
 constexpr std::array kinds = {
     Kind{"view", host::StereoMode::off, host::ReadBack::pixels},
     Kind{"view_depths", host::StereoMode::off, host::ReadBack::pixels_and_depths},
     Kind{"pair", host::StereoMode::side_by_side, host::ReadBack::pixels},
-    Kind{"pair_depths", host::StereoMode::side_by_side, host::ReadBack::pixels_and_depths},
+    // As the viewer gets them: two pictures.
+    Kind{"pair_depths", host::StereoMode::side_by_side, host::ReadBack::pixels_and_depths,
+         host::PairForm::apart},
 };
 
 double clock_ms(clockid_t clock) {
@@ -92,7 +95,7 @@ nlohmann::json samples_of(host::Session& session, int rounds, int frames) {
     const auto draw = [&](const Kind& kind, int round, int index) {
         session.scene.stereo.mode = kind.stereo;
         session.scene.camera.angles.azimuth_deg = step_deg * (round * frames + index);
-        return session.frames.draw_samples(1, {}, kind.read_back).value();
+        return session.frames.draw_samples(1, {}, kind.read_back, kind.form).value();
     };
     for (int i = 0; i < warm_up_frames; ++i) {
         draw(kinds[static_cast<std::size_t>(i) % kinds.size()], 0, i);
