@@ -71,8 +71,8 @@ std::string volume_text(const MeshComponent& part) {
     const bool is_outside = !part.cavity && *part.volume_mm3 < 0;
     return fmt::format("{:.3f} ml{}", *part.volume_mm3 / 1000,
                        part.closed  ? ""
-                       : is_outside ? " (of the outside, closed by the volume's faces)"
-                                    : " (closed by the volume's faces)");
+                       : is_outside ? " (of the outside, closed by the faces of the scan)"
+                                    : " (closed by the faces of the scan)");
 }
 
 /// Returns ", open", ", cavity" or ", open cavity of 3"; numbers count from 1.

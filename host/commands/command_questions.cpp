@@ -84,8 +84,8 @@ End take_end(Session& session, const Arguments& arguments, std::size_t& at,
     const auto picked = session.frames.pick(pixel.x, pixel.y, surface);
     if (!picked) {
         refuse_command(
-            fmt::format("measure: no point of {} lies at pixel ({}, {}); an end that is given as a "
-                        "pixel must lie on a surface",
+            fmt::format("measure: no point of {} lies at pixel ({}, {}). Choose a pixel that shows "
+                        "a surface, or give the place as X,Y,Z in mm",
                         surface.empty() ? "a surface" : surface, pixel.x, pixel.y));
     }
     return {picked->pick.p_mm, picked->surface};

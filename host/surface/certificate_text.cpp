@@ -42,7 +42,7 @@ std::string volume_words(const Certificate& c) {
     if (!c.closed_but_for_border()) return "not defined: the surface has holes";
     if (!c.oriented()) return "not defined: neighbors have different windings";
     return fmt::format("{:.3f} ml{}{}", volume_ml(c),
-                       c.border_edges > 0 ? " (closed by the volume's faces)" : "",
+                       c.border_edges > 0 ? " (closed by the faces of the scan)" : "",
                        c.is_inside_out() ? "; the faces point inwards" : "");
 }
 

@@ -176,7 +176,7 @@ TEST_SUITE("host/surface/defects") {
         has(text(CaseRule::lorensen1987), "cell 0 0 0 case 130");
         has(text(CaseRule::lorensen1987), "cell 1 0 0 case 235");
         has(text(CaseRule::watertight), "bone: closed but for the volume's border");
-        has(text(CaseRule::watertight), "(closed by the volume's faces)");
+        has(text(CaseRule::watertight), "(closed by the faces of the scan)");
         has(host::certificate_reply(certify_volume(one_voxel(4), 1), "dot").text,
             "dot: closed, manifold, oriented\n  8 triangles, 6 vertices, 12 edges; Euler number 2; "
             "1 component; genus 0");
