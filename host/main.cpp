@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/kept_memory.hpp"
 #include "host/base/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/base/version.hpp"
@@ -353,21 +354,19 @@ int dispatch(const CLI::App& app, const Flags& flags) {
     if (app.got_subcommand("render")) {
         return render(flags);
     }
-    if (app.got_subcommand("info")) {
-        return info(flags);
-    }
     if (app.got_subcommand("serve")) {
         return serve_viewer(flags);
     }
     if (app.got_subcommand("report")) {
         return run_report(flags, app.get_subcommand("report")->count("--topology") > 0);
     }
-    return run(flags);
+    return app.got_subcommand("info") ? info(flags) : run(flags);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
+    keep_memory_of_pictures();
     open_missing_streams();
     CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/kernel/kept_memory.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/commands/commands.hpp"
 #include "host/machine/machine.hpp"
@@ -155,6 +156,7 @@ int run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int count, char** words) {
+    host::keep_memory_of_pictures();
     constexpr int least_words = 6;
     if (count < least_words) {
         fmt::print(stderr, "usage: stereo_bench TOPOLOGY SIZE,SIZE.. ROUNDS FRAMES COMMAND...\n");
