@@ -9,7 +9,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/kept_memory.hpp"
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/base/version.hpp"
 #include "host/commands/cli_errors.hpp"

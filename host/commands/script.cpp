@@ -13,7 +13,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/commands/commands.hpp"
 
 namespace pxpl5::host {

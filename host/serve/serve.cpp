@@ -13,7 +13,7 @@
 #include <optional>
 #include <utility>
 
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/machine/sessions/session_note.hpp"
 #include "host/serve/classroom/class_server.hpp"

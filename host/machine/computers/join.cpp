@@ -16,7 +16,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/socket_folder.hpp"
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/key.hpp"

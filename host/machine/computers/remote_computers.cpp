@@ -12,7 +12,7 @@
 #include <span>
 #include <utility>
 
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/port.hpp"

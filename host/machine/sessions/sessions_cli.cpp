@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/base/text_table.hpp"
 #include "host/machine/sessions/session_end.hpp"

@@ -21,7 +21,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/owned_descriptor.hpp"
 #include "host/base/kernel/program_folder.hpp"
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/run_folder.hpp"

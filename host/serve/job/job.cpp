@@ -19,7 +19,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/run_program.hpp"
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/machine/sessions/session_list.hpp"
 #include "host/serve/director/shell_word.hpp"
 #include "host/serve/job/job_state.hpp"

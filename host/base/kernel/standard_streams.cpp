@@ -1,4 +1,4 @@
-#include "host/base/standard_streams.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
