@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -152,11 +153,12 @@ std::vector<Picture> halves_of(const Picture& pair) {
     const std::ptrdiff_t width = pair.width / 2;
     std::vector<Picture> halves;
     for (const int side : {0, 1}) {
-        Picture& half = halves.emplace_back(Picture{pair.width / 2, pair.height, {}});
+        std::vector<std::uint32_t> half;
         for (int y = 0; y < pair.height; ++y) {
             const auto row = pair.rgba.begin() + std::ptrdiff_t{y} * pair.width + side * width;
-            half.rgba.insert(half.rgba.end(), row, row + width);
+            half.insert(half.end(), row, row + width);
         }
+        halves.push_back({pair.width / 2, pair.height, std::move(half)});
     }
     return halves;
 }

@@ -23,11 +23,7 @@ namespace schema = bus::schema;
 /// The picture of a frame. Unless stereo is off, two views become one picture without depths.
 Picture picture_of(const WholeFrame& done, StereoMode stereo) {
     if (done.views == 1 || stereo == StereoMode::off) {
-        return {done.view.width,
-                done.view.height,
-                {done.pixels.begin(), done.pixels.end()},
-                {done.depths.begin(), done.depths.end()},
-                done.views};
+        return {done.view.width, done.view.height, done.pixels, done.depths, done.views};
     }
     return composed_picture(done.pixels, done.view, stereo);
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "host/base/shared_words.hpp"
 #include "host/base/spread.hpp"
 #include "host/scene/pick.hpp"
 #include "host/session/nodes.hpp"
@@ -24,9 +25,9 @@ namespace pxpl5::host {
 /// A finished picture, top row first.
 struct Picture {
     int width = 0, height = 0;
-    std::vector<std::uint32_t> rgba;  ///< views * width * height; red in the low byte.
+    SharedWords rgba;  ///< views * width * height; red in the low byte.
     /// Depths as FrameDone has them, one per pixel and view; empty unless they were asked for.
-    std::vector<std::uint32_t> depths = {};
+    SharedWords depths = {};
     int views = 1;  ///< 2: width and height are one eye's; the left eye's pixels, then the right's.
 };
 

@@ -56,8 +56,10 @@ std::optional<Frames::Layers> Frames::draw_layers_of(const Scene& scene, Stage p
     pending_.back().started_ns = started_ns;
     wait_until_pending(0);
     Layers drawn{take_oldest(), take_oldest(), layers->opacity};
-    put_in_front(drawn.behind.rgba, drawn.behind.depths, drawn.front.rgba, drawn.front.depths,
-                 layers->entries_before);
+    std::vector<std::uint32_t> rgba = drawn.front.rgba.copy(), depths = drawn.front.depths.copy();
+    put_in_front(drawn.behind.rgba, drawn.behind.depths, rgba, depths, layers->entries_before);
+    drawn.front.rgba = std::move(rgba);
+    drawn.front.depths = std::move(depths);
     return drawn;
 }
 

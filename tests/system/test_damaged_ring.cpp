@@ -35,7 +35,7 @@ Outcome run_with(const bus::SimulatedFault& fault) {
         session.scene.size = {160, 140};
         session.surfaces.set("s", 0.5, CaseRule::watertight, {200, 180, 160});
         session.frames.draw();
-        return {session.frames.draw().rgba, {}};
+        return {session.frames.draw().rgba.copy(), {}};
     } catch (const RequestError& error) {
         return {{}, error.what()};
     } catch (const MachineError& error) {

@@ -140,8 +140,8 @@ TEST_CASE("frames of opaque surfaces have depths while a viewer asks for them") 
         CHECK(stage.watchers.reply(id)["ok"] == true);
         std::string found;
         for (const serve::Shown& frame : frames) {
-            const bool fits = frame.depths && frame.depths->size() == frame.pixels->size();
-            found += fits ? 'd' : frame.depths ? '?' : '-';
+            const bool fits = !frame.depths.empty() && frame.depths.size() == frame.pixels.size();
+            found += fits ? 'd' : !frame.depths.empty() ? '?' : '-';
         }
         return found;
     };
@@ -153,11 +153,11 @@ TEST_CASE("frames of opaque surfaces have depths while a viewer asks for them") 
     CHECK(have_depths("view 10 20") == "dddd");
     CHECK(frames.back().digest == digest);
     CHECK(frames[1].digest == first_digest);
-    const std::uint32_t middle = (*frames[1].depths)[48 * 128 + 64];
+    const std::uint32_t middle = frames[1].depths[48 * 128 + 64];
     CHECK((middle & 0xffU) == 1);  // The sphere, in front of the middle of the volume.
     CHECK((middle >> 8U) < (1U << 23U));
-    CHECK((frames[1].depths->front() & 0xffU) == 0);
-    CHECK(frames[3].depths == frames[1].depths);  // A refinement needs no other depths.
+    CHECK((frames[1].depths[0] & 0xffU) == 0);
+    CHECK(frames[3].depths.data() == frames[1].depths.data());          // Not drawn again.
     CHECK(have_depths("surface " + name + " opacity=0.5") == "--d--");  // Layers of the state.
     CHECK(have_depths("surface " + name + " visible=no") == "dddd");
     CHECK(have_depths("surface " + name + " visible=yes") == "--d--");
@@ -180,7 +180,7 @@ TEST_CASE("viewers who take depths get pairs, and others the same as one picture
     shows(1, "stereo sbs");
     const std::vector<serve::Shown> composed = frames;
     for (const serve::Shown& frame : composed) {
-        CHECK((frame.views == 1 && !frame.depths && !frame.as_one));
+        CHECK((frame.views == 1 && frame.depths.empty() && !frame.as_one));
         CHECK(frame.width == 2 * 128);
     }
     shows(2, "stereo off");
@@ -189,12 +189,12 @@ TEST_CASE("viewers who take depths get pairs, and others the same as one picture
     for (std::size_t k = 0; k < frames.size(); ++k) {
         CAPTURE(k);
         const serve::Shown& frame = frames[k];
-        REQUIRE((frame.views == 2 && frame.depths && frame.as_one));
+        REQUIRE((frame.views == 2 && !frame.depths.empty() && frame.as_one));
         CHECK((frame.width == 128 && frame.height == composed[k].height));
-        CHECK(frame.depths->size() == frame.pixels->size());
+        CHECK(frame.depths.size() == frame.pixels.size());
         const serve::OnePicture one = frame.as_one();
         CHECK((one.width == composed[k].width && one.height == composed[k].height));
-        CHECK(*one.pixels == *composed[k].pixels);
+        CHECK(one.pixels == composed[k].pixels);
         CHECK(frame.digest == composed[k].digest);
     }
     CHECK(frames[3].depths == frames[1].depths);
@@ -210,7 +210,7 @@ TEST_CASE("a resting picture is drawn again, once, when a viewer asks for its de
     stage.settle();
     REQUIRE(stage.watchers.frames.size() == 3);  // 1, 4 and 16 samples.
     for (const serve::Shown& frame : stage.watchers.frames) {
-        CHECK(frame.depths != nullptr);
+        CHECK(!frame.depths.empty());
     }
     CHECK(stage.watchers.frames.back().digest == digest);
     stage.watchers.wants_depths = false;

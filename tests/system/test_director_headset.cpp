@@ -73,8 +73,8 @@ TEST_CASE("a pair is drawn for the newest eyes, with depths, for their viewer al
     CHECK(pair.revision == stage.watchers.last("state")["revision"]);
     CHECK(stage.watchers.wearers.back() == std::pair<std::uint32_t, std::size_t>(1, 2 * 96 * 80));
     const Picture alone = stage.alone(20);
-    CHECK(*pair.pixels == alone.rgba);
-    CHECK(*pair.depths == alone.depths);
+    CHECK(pair.pixels == alone.rgba);
+    CHECK(pair.depths == alone.depths);
     stage.settle();
     CHECK(stage.watchers.frames.size() == 1);  // No other viewer looks, and nothing has changed.
 }
@@ -99,7 +99,7 @@ TEST_CASE("the pair follows the surfaces, the clip planes and the volume, with t
     stage.looks(1, 7);
     stage.settle();
     std::uint32_t revision = stage.watchers.frames.back().revision;
-    std::vector<std::uint32_t> pixels = *stage.watchers.frames.back().pixels;
+    SharedWords pixels = stage.watchers.frames.back().pixels;
     stage.watchers.frames.clear();
     int id = 10;
     for (const char* line : {"surface sphere iso=0.25", "clip L 1", "background white", "undo",
@@ -112,9 +112,9 @@ TEST_CASE("the pair follows the surfaces, the clip planes and the volume, with t
         const serve::Shown pair = stage.watchers.frames.back();
         CHECK(stage.shown() == "pair 7");
         CHECK(pair.revision > revision);
-        CHECK(*pair.pixels != pixels);
+        CHECK(pair.pixels != pixels);
         revision = pair.revision;
-        pixels = *pair.pixels;
+        pixels = pair.pixels;
     }
     stage.watchers.does(++id, "stats");
     stage.settle();
@@ -302,7 +302,7 @@ TEST_CASE("a machine that dies while it draws a pair, or before, is started agai
     HeadsetTheatre stage;
     stage.looks(1, 1);
     stage.settle();
-    const std::vector<std::uint32_t> before = *stage.watchers.frames.back().pixels;
+    const SharedWords before = stage.watchers.frames.back().pixels;
     stage.watchers.frames.clear();
     stage.dies = true;
     stage.looks(2, 2);
@@ -311,7 +311,7 @@ TEST_CASE("a machine that dies while it draws a pair, or before, is started agai
     CHECK(stage.watchers.reply(2)["ok"] == true);
     REQUIRE(stage.watchers.frames.size() == 1);
     CHECK(stage.watchers.frames[0].pose == 2);
-    CHECK(*stage.watchers.frames[0].pixels == before);
+    CHECK(stage.watchers.frames[0].pixels == before);
     stage.watchers.frames.clear();
     stage.dies = true;
     stage.watchers.does(3, "digest");
@@ -319,7 +319,7 @@ TEST_CASE("a machine that dies while it draws a pair, or before, is started agai
     CHECK(stage.launches == 3);
     REQUIRE(stage.watchers.frames.size() == 1);  // The frames under way were lost.
     CHECK(stage.watchers.frames[0].pose == 2);
-    CHECK(*stage.watchers.frames[0].pixels == before);
+    CHECK(stage.watchers.frames[0].pixels == before);
 }
 
 TEST_CASE(
@@ -352,10 +352,10 @@ TEST_CASE("pairs get smaller while they take too long, and by the advice of the 
     std::vector<std::pair<int, int>> sizes;
     for (const serve::Shown& frame : stage.watchers.frames) {
         sizes.emplace_back(frame.width, frame.height);
-        CHECK(frame.pixels->size() == 2 * static_cast<std::size_t>(frame.width * frame.height));
+        CHECK(frame.pixels.size() == 2 * static_cast<std::size_t>(frame.width * frame.height));
     }
     CHECK(sizes == std::vector<std::pair<int, int>>{{256, 200}, {192, 150}, {128, 100}});
-    CHECK(*stage.watchers.frames.back().pixels == stage.alone(20, {128, 100}).rgba);
+    CHECK(stage.watchers.frames.back().pixels == stage.alone(20, {128, 100}).rgba);
 
     HeadsetTheatre slow;
     slow.watchers.pair_scale = 0.75;

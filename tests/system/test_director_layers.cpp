@@ -18,9 +18,9 @@ namespace {
 using Words = std::vector<std::uint32_t>;
 
 /// One half of the words of a frame with two layers.
-Words layer(const std::shared_ptr<const Words>& words, int index) {
-    const auto half = static_cast<std::ptrdiff_t>(words->size() / 2);
-    return {words->begin() + index * half, words->begin() + (index + 1) * half};
+Words layer(const SharedWords& words, int index) {
+    const auto half = static_cast<std::ptrdiff_t>(words.size() / 2);
+    return {words.begin() + index * half, words.begin() + (index + 1) * half};
 }
 
 }  // namespace
@@ -74,8 +74,8 @@ TEST_CASE("while the camera moves, the only transparent surface is a layer of it
     CHECK(!frame.rests);
     CHECK(std::array{frame.width, frame.height, frame.layers, frame.opacity} ==
           std::array{128, 96, 2, 6});
-    REQUIRE(frame.pixels->size() == 2 * 128 * 96);
-    REQUIRE(frame.depths->size() == 2 * 128 * 96);
+    REQUIRE(frame.pixels.size() == 2 * 128 * 96);
+    REQUIRE(frame.depths.size() == 2 * 128 * 96);
     does("surface " + transparent + " visible=no");
     const Picture behind = drawn();
     CHECK(layer(frame.pixels, 0) == behind.rgba);
@@ -83,7 +83,7 @@ TEST_CASE("while the camera moves, the only transparent surface is a layer of it
     does("surface " + transparent + " visible=yes opacity=1");
     const Picture whole = drawn();
     CHECK(layer(frame.pixels, 1) == whole.rgba);
-    Words shows = whole.depths;
+    Words shows = whole.depths.copy();
     for (std::uint32_t& word : shows) {
         word = (word & 0xffU) == index ? (word & ~0xffU) + 1 : 0;  // The first of its own picture.
     }
@@ -147,13 +147,13 @@ TEST_CASE("with one transparent surface each eye has two layers, with more they 
     CHECK(layered.views == 2);
     CHECK(layered.layers == 2);
     CHECK(layered.opacity == 6);
-    const auto eye = static_cast<std::ptrdiff_t>(layered.pixels->size() / 4);
-    REQUIRE(opaque.pixels->size() == static_cast<std::size_t>(2 * eye));
-    REQUIRE(layered.depths->size() == layered.pixels->size());
-    CHECK(*opaque.pixels != *without.pixels);
+    const auto eye = static_cast<std::ptrdiff_t>(layered.pixels.size() / 4);
+    REQUIRE(opaque.pixels.size() == static_cast<std::size_t>(2 * eye));
+    REQUIRE(layered.depths.size() == layered.pixels.size());
+    CHECK(opaque.pixels != without.pixels);
     const auto part = [eye](const serve::Shown& frame, int index) {
-        return std::vector(frame.pixels->begin() + index * eye,
-                           frame.pixels->begin() + (index + 1) * eye);
+        return std::vector(frame.pixels.begin() + index * eye,
+                           frame.pixels.begin() + (index + 1) * eye);
     };
     for (const int index : {0, 1}) {
         CHECK(part(layered, 2 * index) == part(without, index));
@@ -164,8 +164,8 @@ TEST_CASE("with one transparent surface each eye has two layers, with more they 
     CHECK(both.layers == 1);
     const serve::Shown alone =
         newest_after({"surface " + name + " visible=no", "surface second visible=no"});
-    CHECK(*both.pixels == *alone.pixels);
-    CHECK(*both.pixels != *third.pixels);
+    CHECK(both.pixels == alone.pixels);
+    CHECK(both.pixels != third.pixels);
 }
 
 TEST_CASE("on a slow link moving pictures are smaller, but not alternate rows") {

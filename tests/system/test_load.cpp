@@ -87,7 +87,7 @@ Result result_of(Session& session) {
     const SurfaceReport report = session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
     return {session.meshes.digest("s"), session.volumes.volume().digest,
             report.triangles,           report.area_mm2,
-            report.volume_mm3,          session.frames.draw().rgba};
+            report.volume_mm3,          session.frames.draw().rgba.copy()};
 }
 
 /// The error that `act` ends with, which is of type E.

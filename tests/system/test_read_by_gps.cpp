@@ -163,7 +163,7 @@ Result result_of(Session& session) {
             report.triangles,
             fmt::format("{} {} {} {} {} {} {}", proof.vertices, proof.edges, proof.components,
                         proof.border_edges, proof.holes, proof.area_mm2, proof.volume_mm3),
-            session.frames.draw().rgba};
+            session.frames.draw().rgba.copy()};
 }
 
 std::string error_of(const std::function<void()>& act) {

@@ -40,12 +40,12 @@ Results results_of(MachinePort& machine) {
         session.surfaces.set("inner", middle * 1.2, CaseRule::lorensen1987, {90, 120, 160})
             .triangles;
     results.meshes = {session.meshes.digest("outer"), session.meshes.digest("inner")};
-    results.pictures.push_back(session.frames.draw().rgba);
+    results.pictures.push_back(session.frames.draw().rgba.copy());
     results.instructions = session.frames.last().instructions;
-    results.pictures.push_back(session.frames.draw_samples(4)->rgba);
-    results.pictures.push_back(session.frames.draw_samples(16)->rgba);
+    results.pictures.push_back(session.frames.draw_samples(4)->rgba.copy());
+    results.pictures.push_back(session.frames.draw_samples(16)->rgba.copy());
     session.frames.orbit(3, [&](int, const Picture& picture, const Camera&) {
-        results.pictures.push_back(picture.rgba);
+        results.pictures.push_back(picture.rgba.copy());
     });
     return results;
 }

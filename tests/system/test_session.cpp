@@ -153,7 +153,7 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     std::vector<std::vector<std::uint32_t>> wanted;
     for (const double isovalue : isovalues) {
         session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
-        wanted.push_back(session.frames.draw().rgba);
+        wanted.push_back(session.frames.draw().rgba.copy());
     }
     session.surfaces.set("s", 300.5, CaseRule::watertight, gray);
     const Picture before = session.frames.draw();
@@ -163,7 +163,7 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
         "s", isovalues, [&](int index, const Picture& picture, const SurfaceReport& built) {
             CHECK(index == static_cast<int>(shown.size()));
             CHECK(built.triangles > 0);
-            shown.push_back(picture.rgba);
+            shown.push_back(picture.rgba.copy());
         });
     CHECK(shown == wanted);
     CHECK(report.changes == 3);
@@ -196,7 +196,7 @@ TEST_CASE("a frame waits for the isovalue that it shows, whichever comes first")
         std::vector<std::vector<std::uint32_t>> shown;
         session.surfaces.sweep("s", isovalues,
                                [&](int, const Picture& picture, const SurfaceReport&) {
-                                   shown.push_back(picture.rgba);
+                                   shown.push_back(picture.rgba.copy());
                                });
         wanted = seed == 0 ? shown : wanted;
         REQUIRE(shown.size() == isovalues.size());
@@ -213,7 +213,7 @@ TEST_CASE("views drawn one at a time are those drawn two at a time") {
         const OrbitReport report = session.frames.orbit(
             4,
             [&](int, const Picture& picture, const Camera&) {
-                drawn[in_flight - 1].push_back(picture.rgba);
+                drawn[in_flight - 1].push_back(picture.rgba.copy());
             },
             in_flight);
         CHECK(report.latency_ms.median > 0);

@@ -141,15 +141,16 @@ SlicePicture slice_picture(const Slice& slice, const std::vector<SurfaceContour>
     const SliceSide &across = slice.frame.across, &down = slice.frame.down;
     const Scale scale = scale_of(slice.frame, size);
     SlicePicture out{{scale.length_px(across), scale.length_px(down), {}}, {}};
+    std::vector<std::uint32_t> pixels;
     const std::vector<double> numbers = numbers_of(slice);
     for (int y = 0; y < out.picture.height; ++y) {
         const double row = scale.number_at(down, y + 0.5);
         for (int x = 0; x < out.picture.width; ++x) {
             const double column = scale.number_at(across, x + 0.5);
-            out.picture.rgba.push_back(
-                gray_of(value_at(slice.frame, numbers, column, row), window));
+            pixels.push_back(gray_of(value_at(slice.frame, numbers, column, row), window));
         }
     }
+    out.picture.rgba = std::move(pixels);
     std::size_t count = 0;
     for (const SurfaceContour& contour : contours) {
         count += contour.pieces.size();

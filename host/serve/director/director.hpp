@@ -158,10 +158,10 @@ class Director {
         int samples = 0;  ///< 0 for a moving picture.
         std::int64_t time_ns = 0;
         /// The resting picture of one sample, for its refinements: revision, views and depths,
-        /// which may be null.
+        /// which may be empty.
         std::uint32_t resting_revision = 0;
         int resting_views = 0;
-        std::shared_ptr<const std::vector<std::uint32_t>> resting_depths = nullptr;
+        SharedWords resting_depths = {};
         bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
         Camera camera = {};
         std::uint32_t layers_revision = 0;  ///< The newest frame with layers; 0: none.

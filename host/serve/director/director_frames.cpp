@@ -15,8 +15,7 @@ namespace pxpl5::host::serve {
 namespace {
 
 OnePicture one_picture(Picture picture) {
-    return {picture.width, picture.height,
-            std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba))};
+    return {picture.width, picture.height, std::move(picture.rgba)};
 }
 
 /// Viewers who take depths compose the pictures of both eyes themselves.
@@ -43,16 +42,13 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
     frame.views = picture.views;
     frame.width = picture.width;
     frame.height = picture.height;
-    frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.rgba));
+    frame.pixels = picture.rgba;
+    frame.depths = picture.depths;
     if (picture.views == 2 && !rests) {
         frame.as_one = [pixels = frame.pixels, width = picture.width, height = picture.height,
                         stereo = session_->scene.stereo.mode] {
-            return one_picture(composed_picture(*pixels, {width, height}, stereo));
+            return one_picture(composed_picture(pixels, {width, height}, stereo));
         };
-    }
-    if (!picture.depths.empty()) {
-        frame.depths =
-            std::make_shared<const std::vector<std::uint32_t>>(std::move(picture.depths));
     }
     if (rests && samples == 1) {
         shown_.resting_revision = revision_;
@@ -86,16 +82,18 @@ bool Director::draw_layers() {
     frame.height = layers->behind.height;
     frame.layers = 2;
     frame.opacity = layers->opacity;
-    const auto stacked = [](std::vector<std::uint32_t> top,
-                            const std::vector<std::uint32_t>& below) {
-        top.insert(top.end(), below.begin(), below.end());
-        return std::make_shared<const std::vector<std::uint32_t>>(std::move(top));
+    const auto stacked = [](const SharedWords& top, const SharedWords& below) {
+        std::vector<std::uint32_t> words;
+        words.reserve(top.size() + below.size());
+        words.insert(words.end(), top.begin(), top.end());
+        words.insert(words.end(), below.begin(), below.end());
+        return words;
     };
-    frame.pixels = stacked(std::move(layers->behind.rgba), layers->front.rgba);
-    frame.depths = stacked(std::move(layers->behind.depths), layers->front.depths);
+    frame.pixels = stacked(layers->behind.rgba, layers->front.rgba);
+    frame.depths = stacked(layers->behind.depths, layers->front.depths);
     frame.as_one = [pixels = frame.pixels, width = frame.width, height = frame.height,
                     opacity = frame.opacity] {
-        return one_picture({width, height, blended(*pixels, 1, opacity)});
+        return one_picture({width, height, blended(pixels, 1, opacity)});
     };
     show_frame(std::move(frame));
     shown_.layers_revision = revision_;

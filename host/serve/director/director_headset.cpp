@@ -22,18 +22,16 @@ std::size_t pixels_of_pair(const Size& eye) {
            static_cast<std::size_t>(eye.height);
 }
 
-using Words = std::vector<std::uint32_t>;
-
 /// The words of each eye: behind, then in front.
-std::shared_ptr<const Words> by_eye(const Words& behind, const Words& front) {
-    Words words;
+SharedWords by_eye(const SharedWords& behind, const SharedWords& front) {
+    std::vector<std::uint32_t> words;
     words.reserve(behind.size() + front.size());
     const auto half = static_cast<std::ptrdiff_t>(behind.size() / eyes_of_a_pair);
     for (std::ptrdiff_t first = 0; first < eyes_of_a_pair * half; first += half) {
         words.insert(words.end(), behind.begin() + first, behind.begin() + first + half);
         words.insert(words.end(), front.begin() + first, front.begin() + first + half);
     }
-    return std::make_shared<const Words>(std::move(words));
+    return words;
 }
 
 /// The frame of a pair; with one transparent surface, of two layers for each eye.
@@ -49,9 +47,9 @@ Shown pair_of(Frames& frames, const Eyes& eyes, const Frames::Moving& how) {
         frame.depths = by_eye(layers->behind.depths, layers->front.depths);
         return frame;
     }
-    Picture picture = frames.draw_pair(eyes, how);
-    frame.pixels = std::make_shared<const Words>(std::move(picture.rgba));
-    frame.depths = std::make_shared<const Words>(std::move(picture.depths));
+    const Picture picture = frames.draw_pair(eyes, how);
+    frame.pixels = picture.rgba;
+    frame.depths = picture.depths;
     return frame;
 }
 

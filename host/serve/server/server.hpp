@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "host/base/shared_words.hpp"
+
 namespace pxpl5::host::serve {
 
 /// A driver may do everything, a watcher only look.
@@ -54,16 +56,16 @@ using Event = std::variant<Joined, Left, Said, Lost, EndsSoon>;
 /// A picture without depths.
 struct OnePicture {
     int width = 0, height = 0;
-    std::shared_ptr<const std::vector<std::uint32_t>> pixels;  ///< width * height, red lowest.
+    SharedWords pixels;  ///< width * height, red lowest.
 };
 
 /// A frame for all viewers, or for one who wears a headset: one picture, or several of the same
 /// size, from top to bottom.
 struct Shown {
     /// pictures() * width * height, red lowest.
-    std::shared_ptr<const std::vector<std::uint32_t>> pixels;
-    /// Depths of the pixels as FrameDone has them, from one sample; null if they were not read.
-    std::shared_ptr<const std::vector<std::uint32_t>> depths = nullptr;
+    SharedWords pixels;
+    /// Depths of the pixels as FrameDone has them, from one sample; empty if they were not read.
+    SharedWords depths = {};
     int width = 0, height = 0;   ///< Size of one picture.
     int views = 1;               ///< 2: the left eye's pictures, then the right eye's.
     int layers = 1;              ///< Per view; 2: opaque surfaces, then one seen through.

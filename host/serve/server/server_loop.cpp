@@ -118,7 +118,7 @@ void Loop::deliver() {
     }
     const auto newest = mail_.newest();
     if (newest->shown.rests) {
-        resting_pixels_ = newest->shown.pixels->size();
+        resting_pixels_ = newest->shown.pixels.size();
     } else {
         moving_layers_ = static_cast<std::size_t>(newest->shown.layers);
     }

@@ -108,14 +108,18 @@ class Loop {
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
-    using Words = std::shared_ptr<const std::vector<std::uint32_t>>;
     std::uint64_t encoded_sequence_ = 0;
-    Words as_one_of_;    ///< The pixels of the frame that as_one_ shows.
-    OnePicture as_one_;  ///< The frame as one picture.
-    /// The encoded pictures of the newest frame by pixels and quality.
-    std::map<std::pair<Words, std::optional<JpegQuality>>, std::string> encoded_;
+    SharedWords as_one_of_;  ///< The pixels of the frame that as_one_ shows.
+    OnePicture as_one_;      ///< The frame as one picture.
+    /// A picture, and the pixels that it keeps, so that no others come to lie in their place.
+    struct EncodedPicture {
+        SharedWords pixels;
+        std::string bytes;
+    };
+    /// The encoded pictures of the newest frame by place of the pixels and quality.
+    std::map<std::pair<const std::uint32_t*, std::optional<JpegQuality>>, EncodedPicture> encoded_;
     std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
-    Words encoded_depths_of_;
+    SharedWords encoded_depths_of_;
     VideoEncoder::Frame video_frame_;  ///< The last of any viewer.
     std::size_t resting_pixels_ = 0;
     std::size_t moving_layers_ = 1;

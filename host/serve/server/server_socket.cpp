@@ -231,7 +231,7 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
         encoded_.clear();
         encoded_sequence_ = frame.sequence;
     }
-    const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && shown.depths;
+    const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && !shown.depths.empty();
     const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
     const bool is_one = depths.empty() && shown.as_one;
     const OnePicture sent = picture_of(shown, is_one);
@@ -267,7 +267,7 @@ Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& shown, const OnePic
     if (shown.rests) {
         return {PictureKind::png, encoded(sent, std::nullopt)};
     }
-    const std::size_t pixels = sent.pixels->size();
+    const std::size_t pixels = sent.pixels.size();
     const bool may_be_video =
         viewer.wants_video && shown.viewer == 0 && has_place_for_video(viewer);
     if (viewer.link.uses_video(std::max(pixels, resting_pixels_), may_be_video) &&
@@ -302,7 +302,7 @@ bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t dept
         if (!viewer.video) {
             viewer.video = std::make_unique<VideoEncoder>();
         }
-        video_frame_ = viewer.video->encode(sent.width, sent.height, *sent.pixels,
+        video_frame_ = viewer.video->encode(sent.width, sent.height, sent.pixels,
                                             goal - std::min(depth_bytes, goal / 2));
     } catch (const std::exception& error) {
         fmt::print(stderr, "warning: moving pictures are JPEG: {}\n", error.what());
@@ -315,7 +315,7 @@ OnePicture Loop::picture_of(const Shown& shown, bool is_one) {
     if (!is_one) {
         return {shown.width, shown.pictures() * shown.height, shown.pixels};
     }
-    if (as_one_of_ != shown.pixels) {
+    if (as_one_of_.data() != shown.pixels.data()) {
         as_one_ = shown.as_one();
         as_one_of_ = shown.pixels;
     }
@@ -324,22 +324,23 @@ OnePicture Loop::picture_of(const Shown& shown, bool is_one) {
 
 const std::string& Loop::encoded(const OnePicture& sent,
                                  const std::optional<JpegQuality>& quality) {
-    std::string& picture = encoded_[{sent.pixels, quality}];
+    auto& [pixels, picture] = encoded_[{sent.pixels.data(), quality}];
     if (picture.empty()) {
-        picture = quality ? jpeg_of(sent.width, sent.height, *sent.pixels, *quality)
-                          : png_of(sent.width, sent.height, *sent.pixels);
+        pixels = sent.pixels;
+        picture = quality ? jpeg_of(sent.width, sent.height, sent.pixels, *quality)
+                          : png_of(sent.width, sent.height, sent.pixels);
     }
     return picture;
 }
 
 /// Refinements of a picture share the depths, which are packed once.
 const std::string& Loop::encoded_depths(const Shown& shown) {
-    if (encoded_depths_of_ != shown.depths) {
+    if (encoded_depths_of_.data() != shown.depths.data()) {
         encoded_depths_of_ = shown.depths;
         encoded_depths_.clear();  // A picture without depths is better than none.
         try {
             encoded_depths_ =
-                packed_stack(shown.width, shown.height, shown.pictures(), *shown.depths);
+                packed_stack(shown.width, shown.height, shown.pictures(), shown.depths);
         } catch (const std::exception& error) {
             fmt::print(stderr, "warning: pictures have no depths: {}\n", error.what());
         }

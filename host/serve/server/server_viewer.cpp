@@ -91,7 +91,7 @@ const Shown* Viewer::next_of(const NewestFrame& frame) const {
 
 void Viewer::want_depths(bool wanted, const NewestFrame& newest) {
     if (wanted && !wants_depths) {
-        newest_sent_ = newest.shown.depths ? 0 : newest_sent_;
+        newest_sent_ = newest.shown.depths.empty() ? newest_sent_ : 0;
         layers_sent_ = 0;
     }
     wants_depths = wanted;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <memory>
+#include <span>
 
 #include "host/machine/port.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -43,17 +45,17 @@ const schema::FrameDone& FrameParts::part(std::size_t index) const {
     return *parts_[index]->as<schema::FrameDone>();
 }
 
-std::span<const std::uint32_t> FrameParts::joined(const Words* (schema::FrameDone::*words)() const,
-                                                  std::vector<std::uint32_t>& into) const {
+/// The words of all views.
+SharedWords FrameParts::joined(const Words* (schema::FrameDone::*words)() const) const {
     const auto of = [&](std::size_t index) {
         const Words* found = (part(index).*words)();
         return found == nullptr ? std::span<const std::uint32_t>()
                                 : std::span<const std::uint32_t>(found->data(), found->size());
     };
     if (parts_.size() == 1) {
-        return of(0);
+        return {of(0), std::make_shared<const bus::Message>(*parts_[0])};
     }
-    into.clear();
+    std::vector<std::uint32_t> into;
     for (std::size_t view = 0; view < views_; ++view) {
         const std::size_t buffer = frame_buffer_of(view, parts_.size());
         const std::span<const std::uint32_t> stack = of(buffer);
@@ -64,14 +66,14 @@ std::span<const std::uint32_t> FrameParts::joined(const Words* (schema::FrameDon
     return into;
 }
 
-WholeFrame FrameParts::whole() {
+WholeFrame FrameParts::whole() const {
     assert(is_complete());
     WholeFrame whole;
     whole.frame = part(0).frame();
     whole.view = view_;
     whole.views = static_cast<int>(views_);
-    whole.pixels = joined(&schema::FrameDone::pixels, pixels_);
-    whole.depths = joined(&schema::FrameDone::depths, depths_);
+    whole.pixels = joined(&schema::FrameDone::pixels);
+    whole.depths = joined(&schema::FrameDone::depths);
     const std::size_t per_view = region_count(part(0).width(), part(0).height(), 1);
     for (std::size_t view = 0; view < views_; ++view) {
         const schema::FrameDone& done = part(frame_buffer_of(view, parts_.size()));

@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "host/base/command_line.hpp"
+#include "host/base/shared_words.hpp"
 #include "ringbus/message.hpp"
 
 namespace pxpl5::host {
@@ -17,8 +17,8 @@ struct WholeFrame {
     std::uint32_t frame = 0;
     Size view;  ///< Pixels of one view.
     int views = 1;
-    std::span<const std::uint32_t> pixels;        ///< All views; empty unless read back.
-    std::span<const std::uint32_t> depths;        ///< Likewise; empty unless requested.
+    SharedWords pixels;                           ///< All views; empty unless read back.
+    SharedWords depths;                           ///< Likewise; empty unless requested.
     std::vector<std::uint64_t> region_cycles;     ///< By region of all views.
     std::vector<std::uint16_t> region_renderers;  ///< Index of the Renderer, by region.
     std::uint64_t instructions = 0;
@@ -36,20 +36,18 @@ class FrameParts {
     /// if the message does not have the views that belong to it.
     void take(std::size_t index, const bus::Message& message);
     bool is_complete() const;
-    /// The frame as one: points into this object. The parts must be complete.
-    WholeFrame whole();
+    /// The frame as one. The pixels of a single frame buffer stay in its message. The parts must be
+    /// complete.
+    WholeFrame whole() const;
 
   private:
     using Words = flatbuffers::Vector<std::uint32_t>;
     const bus::schema::FrameDone& part(std::size_t index) const;
-    /// One picture of all views; that of a single frame buffer stays where it is.
-    std::span<const std::uint32_t> joined(const Words* (bus::schema::FrameDone::*words)() const,
-                                          std::vector<std::uint32_t>& into) const;
+    SharedWords joined(const Words* (bus::schema::FrameDone::*words)() const) const;
 
     Size view_;
     std::size_t views_;
     std::vector<std::optional<bus::Message>> parts_;  ///< By frame buffer; of those with a view.
-    std::vector<std::uint32_t> pixels_, depths_;  ///< Joined, if several frame buffers sent them.
 };
 
 }  // namespace pxpl5::host

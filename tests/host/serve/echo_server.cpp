@@ -47,15 +47,13 @@ serve::Shown frame_of(const Json& words) {
     }
     if (words.size() > 4 && words[4]) {
         constexpr std::uint32_t middle = 0x800000'01U;  // Of surface 1.
-        frame.depths = std::make_shared<const std::vector<std::uint32_t>>(pixels.size(), middle);
+        frame.depths = std::vector<std::uint32_t>(pixels.size(), middle);
     }
-    frame.pixels = std::make_shared<const std::vector<std::uint32_t>>(std::move(pixels));
+    frame.pixels = std::move(pixels);
     if (frame.layers > 1) {
         frame.as_one = [pixels = frame.pixels, width = frame.width, height = frame.height,
                         opacity = frame.opacity] {
-            return serve::OnePicture{width, height,
-                                     std::make_shared<const std::vector<std::uint32_t>>(
-                                         serve::blended(*pixels, 1, opacity))};
+            return serve::OnePicture{width, height, serve::blended(pixels, 1, opacity)};
         };
     }
     return frame;

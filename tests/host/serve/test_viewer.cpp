@@ -118,7 +118,7 @@ TEST_CASE("a viewer that asks for depths late gets the newest frame again, with 
     viewer.want_depths(true, newest);
     CHECK_FALSE(viewer.takes(newest));  // The frame has none.
     viewer.want_depths(false, newest);
-    newest.shown.depths = std::make_shared<const std::vector<std::uint32_t>>(1);
+    newest.shown.depths = std::vector<std::uint32_t>(1);
     viewer.want_depths(true, newest);
     CHECK(viewer.takes(newest));
     viewer.count_frame(newest);

@@ -1,6 +1,9 @@
 // Frames whose views come from one frame buffer or from two.
 #include <doctest/doctest.h>
 
+#include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "host/machine/port.hpp"
@@ -80,6 +83,21 @@ TEST_SUITE("host/session/frame_parts") {
             CHECK(whole.pixels.data() == only.as<schema::FrameDone>()->pixels()->data());
             CHECK(whole.pixels.size() == views * width * height);
             CHECK(whole.region_cycles.size() == 2 * views);
+        }
+    }
+
+    TEST_CASE("the words of a frame stay when its messages are gone") {
+        for (const std::size_t frame_buffers : {1U, 2U}) {
+            std::optional<FrameParts> parts(std::in_place, Size{width, height}, 2, frame_buffers);
+            for (std::size_t index = 0; index < frame_buffers; ++index) {
+                parts->take(index, done(7, static_cast<int>(2 / frame_buffers), 4));
+            }
+            const WholeFrame whole = parts->whole();
+            const SharedWords copied = whole.depths;
+            parts.reset();
+            CHECK(whole.pixels[0] == 4000);
+            CHECK(copied[1] == 8001);
+            CHECK(copied.data() == whole.depths.data());
         }
     }
 

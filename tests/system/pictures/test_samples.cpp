@@ -35,7 +35,7 @@ TEST_CASE("samples lie in all rows and columns of a pixel's grid, about its cent
 
 TEST_CASE("a picture of 4 or 16 samples is the mean of as many pictures, each moved a little") {
     LettersBench bench(2, 3);
-    const Pixels plain = bench.session.frames.draw().rgba;
+    const Pixels plain = bench.session.frames.draw().rgba.copy();
     for (const int samples : {4, 16}) {
         CAPTURE(samples);
         bench.asked.clear();
@@ -81,8 +81,8 @@ TEST_CASE("a pass shows what lies at its offset: moving the samples moves the pi
 
 TEST_CASE("a drawing that is canceled between two passes gives no picture, and the next is right") {
     LettersBench bench(2, 2);
-    const Pixels plain = bench.session.frames.draw().rgba;
-    const Pixels fine = bench.session.frames.draw_samples(16)->rgba;
+    const Pixels plain = bench.session.frames.draw().rgba.copy();
+    const Pixels fine = bench.session.frames.draw_samples(16)->rgba.copy();
     for (const int asked_before : {0, 1, 3, 15}) {
         CAPTURE(asked_before);
         bench.asked.clear();
@@ -97,11 +97,11 @@ TEST_CASE("a drawing that is canceled between two passes gives no picture, and t
 TEST_CASE("antialias sets the samples of what is drawn, orbits too, but picks with one") {
     LettersBench bench(1, 2);
     Session& session = bench.session;
-    const Pixels plain = session.frames.draw().rgba;
+    const Pixels plain = session.frames.draw().rgba.copy();
     const auto pick = session.frames.pick(100, 75);
     REQUIRE(pick.has_value());
     run_command(session, parse_line("antialias 4"));
-    const Pixels fine = session.frames.draw().rgba;
+    const Pixels fine = session.frames.draw().rgba.copy();
     CHECK(fine == session.frames.draw_samples(4)->rgba);
     CHECK(fine != plain);
     const auto again = session.frames.pick(100, 75);

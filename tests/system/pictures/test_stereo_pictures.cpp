@@ -49,7 +49,7 @@ TEST_CASE("each eye of a pair is the picture of its camera alone, bit for bit, o
     bench.session.scene.stereo.mode = StereoMode::rows;
     const Picture rows = bench.session.frames.draw();
     for (const int y : {74, 75}) {
-        const auto row = [y](const Pixels& pixels) {
+        const auto row = [y](const SharedWords& pixels) {
             return Pixels(pixels.begin() + y * 200, pixels.begin() + (y + 1) * 200);
         };
         CHECK(row(rows.rgba) == row(alone[static_cast<std::size_t>(y % 2)]));
@@ -61,7 +61,7 @@ TEST_CASE("with a frame buffer for each eye, every kind of frame has the same bi
     const std::vector<bus::NodeId> buffers = two.machine.frame_buffer_ids();
     REQUIRE(buffers.size() == 2);
     const auto check_pictures = [&](int samples) {
-        const Pixels expected = one.session.frames.draw_samples(samples)->rgba;
+        const Pixels expected = one.session.frames.draw_samples(samples)->rgba.copy();
         CHECK(two.session.frames.draw_samples(samples)->rgba == expected);
         const FrameReport &a = one.session.frames.last(), &b = two.session.frames.last();
         CHECK(b.region_cycles == a.region_cycles);
@@ -90,8 +90,9 @@ TEST_CASE("overlapping frames of two frame buffers finish in order, whichever is
     LettersBench one(1, 1);
     one.session.scene.stereo.mode = StereoMode::rows;
     std::vector<Pixels> expected;
-    one.session.frames.orbit(
-        6, [&](int, const Picture& picture, const Camera&) { expected.push_back(picture.rgba); });
+    one.session.frames.orbit(6, [&](int, const Picture& picture, const Camera&) {
+        expected.push_back(picture.rgba.copy());
+    });
     int ahead = 0;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {
         CAPTURE(seed);
@@ -135,7 +136,7 @@ TEST_CASE("a .jps and an .mpo have the pictures of both eyes, whatever the mode"
     }
     CHECK(bench.machine.exported.empty());
     session.scene.stereo.mode = StereoMode::side_by_side;
-    const Pixels pair = session.frames.draw().rgba;
+    const Pixels pair = session.frames.draw().rgba.copy();
     const auto byte_at = [](const schema::ExportPictureT& picture, std::size_t pixel) {
         std::uint32_t rgba = 0;
         std::memcpy(&rgba, &picture.rgba.at(4 * pixel), sizeof rgba);
@@ -189,9 +190,9 @@ TEST_CASE("marks lie over each eye's picture of a stereo file") {
 TEST_CASE("a picture of two eyes has several samples a pixel, too") {
     LettersBench bench(2, 2);
     bench.session.scene.stereo.mode = StereoMode::side_by_side;
-    const Pixels plain = bench.session.frames.draw().rgba;
+    const Pixels plain = bench.session.frames.draw().rgba.copy();
     REQUIRE(bench.session.frames.max_samples() >= 4);
-    const Pixels fine = bench.session.frames.draw_samples(4)->rgba;
+    const Pixels fine = bench.session.frames.draw_samples(4)->rgba.copy();
     CHECK(fine.size() == plain.size());
     CHECK(fine != plain);
     LettersBench other(1, 3);
@@ -232,7 +233,7 @@ TEST_CASE("both eyes see a picked point at its place") {
 namespace {
 
 /// The half of a pair that one eye sees.
-Pixels half(const Pixels& pair, std::size_t eye) {
+Pixels half(const SharedWords& pair, std::size_t eye) {
     const auto pixels = static_cast<std::ptrdiff_t>(pair.size() / 2);
     const auto begin = pair.begin() + static_cast<std::ptrdiff_t>(eye) * pixels;
     return {begin, begin + pixels};
@@ -303,8 +304,8 @@ TEST_CASE("pairs and pictures of the camera, one after the other, have the same 
     LettersBench bench(2, 3, 2), fresh(2, 3, 2);
     const Eyes eyes = crooked_eyes(bench.session);
     const Frames::Moving how{{120, 90}, 0};
-    const Pixels plain = fresh.session.frames.draw().rgba;
-    const Pixels pair = bench.session.frames.draw_pair(eyes, how).rgba;
+    const Pixels plain = fresh.session.frames.draw().rgba.copy();
+    const Pixels pair = bench.session.frames.draw_pair(eyes, how).rgba.copy();
     for (int turn = 0; turn < 2; ++turn) {
         CHECK(bench.session.frames.draw().rgba == plain);
         CHECK(bench.asked.back().region_costs.size() == (turn == 0 ? 0 : 4));
@@ -315,7 +316,7 @@ TEST_CASE("pairs and pictures of the camera, one after the other, have the same 
     bench.session.surfaces.set("letters", bench.session.scene.surfaces.front().isovalue + 1,
                                CaseRule::watertight, {200, 180, 160});
     REQUIRE(bench.session.frames.has_frame_ahead());
-    const Pixels newer = bench.session.frames.draw_pair(eyes, how).rgba;
+    const Pixels newer = bench.session.frames.draw_pair(eyes, how).rgba.copy();
     CHECK(!bench.session.frames.has_frame_ahead());
     CHECK(newer.size() == pair.size());
     CHECK(newer != pair);

@@ -43,7 +43,7 @@ struct Bone {
         }
         return {};
     }
-    std::vector<std::uint32_t> draw() { return session.frames.draw().rgba; }
+    std::vector<std::uint32_t> draw() { return session.frames.draw().rgba.copy(); }
     double moved_mm() const { return session.frames.last().moved_mm; }
 
     SimulatedMachine machine;
