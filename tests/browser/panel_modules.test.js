@@ -7,8 +7,8 @@ import {belongTo} from '../../host/serve/page/machine/region_map.js';
 import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/machine/ring_flow.js';
 import {nearestVoxel, patientText, toPatient, toVoxel}
   from '../../host/serve/page/slices/patient_grid.js';
-import {boxAt, firstWindow, isHounsfield, paintGray, pixelAt, placedIn, sliceAtBox, sliceOf,
-  voxelAt} from '../../host/serve/page/slices/slice_pixels.js';
+import {boxAt, pixelAt, placedIn, sliceAtBox, sliceOf, voxelAt}
+  from '../../host/serve/page/slices/slice_pixels.js';
 import {planesOf} from '../../host/serve/page/slices/slice_planes.js';
 import {changesOf} from '../../host/serve/page/inspect/why_cards.js';
 
@@ -103,12 +103,6 @@ test('unevenly spaced rows keep their positions, with equal scales across and do
   near(sliceAtBox(slice, placed, ...boxAt(slice, placed, 3.25, 1.5)), [3.25, 1.5]);
 });
 
-test('a window is black up to its lower end, white from its upper end on, even between', () => {
-  const rgba = new Uint8ClampedArray(20);
-  paintGray([-1000, -100, -36, 155, 900], {window: 255, level: 27.5}, rgba);
-  assert.deepEqual([0, 4, 8, 12, 16].map(at => rgba[at]), [0, 0, 64, 255, 255]);
-});
-
 /** @param {string} name @param {any[]} sent */
 const node = (name, ...sent) => ({name, role: '', busy: 0, stages: [], memory_bytes: 0, queue: 0,
   sent: sent.map(([to, channel, messages]) => ({to, kind: 'k', channel, messages, bytes: 1}))});
@@ -162,14 +156,6 @@ test('a pixel\'s changes are all its stores, in order', () => {
   const why = /** @type {any} */ ({prologue: at(0, 2), visits: [{writes: at(70, 74)}, {writes: []},
     {writes: at(40)}], doors: [], end_of_region: at(90)});
   assert.deepEqual(changesOf(why), [0, 2, 40, 70, 74, 90]);
-});
-
-test('values of a file that states no modality are taken for CT by air and bone alone', () => {
-  assert.ok(isHounsfield({modality: '', minimum: -1000, maximum: 1494}));
-  assert.ok(!isHounsfield({modality: '', minimum: 0, maximum: 255}));
-  assert.ok(!isHounsfield({modality: 'MR', minimum: -1000, maximum: 1494}));
-  assert.deepEqual(firstWindow({modality: 'US', minimum: 0, maximum: 255}),
-    {window: 255, level: 127.5});
 });
 
 test('modelled times are told in three digits, with what limits them', () => {

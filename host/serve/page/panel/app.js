@@ -4,7 +4,8 @@
 // up to date. The panels on the right are the rows of TABS in shell/tabs.js. The section receives
 // the events `panelshow` and `panelhide`. panels.css has the styles of the panels.
 // A view sends a patient position to the other views as the event `place` on `document`, with
-// {p_mm, from} as `detail`.
+// {p_mm, from} as `detail`. The histogram sends its counts as the event `counts`, with {identity,
+// counts}: of the volume, and {first, width, counts}.
 // Each control has a data-testid for the tests. The page's policy (CSP) forbids styles and scripts
 // in markup.
 

@@ -14,6 +14,9 @@ const SHEET = /** @type {const} */ ([
     ['Esc', 'leave a mode'], ['?', 'show this help'],
   ]],
   ['Panels', [
+    ['Slices', 'click to move the crosshair; the wheel steps, with Ctrl it zooms'],
+    ['+  −  0 on a slice', 'zoom; 0 shows the whole slice'],
+    ['Middle button, two fingers', 'move a zoomed slice'],
     ['Slices, Window', 'drag across for contrast, down for brightness'],
     ['Measure', 'click two points to measure their distance'],
     ['Inspect', 'click a pixel to explain its color'],

@@ -1,8 +1,10 @@
 // Parses the answer to `ask slice`, and converts between pixels and voxels. Pure functions.
 
 import {placeOf, sliceAt} from './patient_grid.js';
+import {WHOLE} from './slice_zoom.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_zoom.js').Zoom} Zoom */
 /** @typedef {'x' | 'y' | 'z'} Axis */
 /**
  * @typedef {{surface: string, color: string, first: number, count: number,
@@ -57,62 +59,6 @@ export function sliceOf(axis, index, {json, bytes}) {
     ...json, axis, index, values: new array(bytes, 0, count),
     segments: new Float32Array(bytes, behind, segments * FLOATS_PER_SEGMENT),
   };
-}
-
-/** @typedef {{window: number, level: number}} Window  Values shown from level - window / 2 on. */
-
-/**
- * The usual CT windows, in Hounsfield units.
- * @type {{name: string, window: number, level: number}[]}
- */
-export const CT_WINDOWS = [
-  {name: 'Soft tissue', window: 400, level: 40},
-  {name: 'Bone', window: 1800, level: 400},
-  {name: 'Lung', window: 1500, level: -600},
-];
-
-/**
- * Whether values are Hounsfield units: as the file states, or, as many formats state no modality,
- * as air and bone suggest. This decides a first window and nothing else.
- * @param {{modality: string, minimum: number, maximum: number}} volume
- */
-export function isHounsfield({modality, minimum, maximum}) {
-  return modality === 'CT' || modality === '' && minimum <= -500 && minimum >= -4096 &&
-    maximum >= 300 && maximum <= 32767;
-}
-
-/**
- * The initial window of a volume.
- * @param {{modality: string, minimum: number, maximum: number}} volume
- * @returns {Window}
- */
-export function firstWindow(volume) {
-  return isHounsfield(volume) ? {window: CT_WINDOWS[0].window, level: CT_WINDOWS[0].level}
-    : allValues(volume);
-}
-
-/**
- * A window from the smallest value to the largest value.
- * @param {{minimum: number, maximum: number}} volume
- * @returns {Window}
- */
-export function allValues({minimum, maximum}) {
-  return {window: maximum - minimum || 1, level: (minimum + maximum) / 2};
-}
-
-/**
- * Writes gray levels into RGBA pixels.
- * @param {ArrayLike<number>} values
- * @param {Window} through
- * @param {Uint8ClampedArray} rgba  4 * values.length; rounded and held at 0..255 by its type.
- */
-export function paintGray(values, {window, level}, rgba) {
-  const slope = 255 / Math.max(window, Number.MIN_VALUE);
-  const first = level - window / 2;
-  for (let i = 0, out = 0; i < values.length; ++i, out += 4) {
-    rgba[out] = rgba[out + 1] = rgba[out + 2] = (values[i] - first) * slope;
-    rgba[out + 3] = 255;
-  }
 }
 
 /**
@@ -181,17 +127,19 @@ export function numberAlong(slice, side, place_mm) {
  * @param {Slice} slice
  * @param {number} width    Width of the box.
  * @param {number} height
+ * @param {Zoom} [zoom]     The whole slice, if not given.
  * @returns {Placed}
  */
-export function placedIn(slice, width, height) {
+export function placedIn(slice, width, height, {times, center} = WHOLE) {
   /** @type {[number, number]} */
   const first = [placeAlong(slice, 0, -0.5), placeAlong(slice, 1, -0.5)];
-  const across = placeAlong(slice, 0, slice.width - 0.5) - first[0];
-  const down = placeAlong(slice, 1, slice.height - 0.5) - first[1];
-  const scale = Math.min(width / across, height / down);
+  const across_mm = placeAlong(slice, 0, slice.width - 0.5) - first[0];
+  const down_mm = placeAlong(slice, 1, slice.height - 0.5) - first[1];
+  const scale = times * Math.min(width / across_mm, height / down_mm);
+  const across = across_mm * scale, down = down_mm * scale;
   return {
-    left: (width - across * scale) / 2, top: (height - down * scale) / 2,
-    width: across * scale, height: down * scale, scale, first,
+    left: width / 2 - center[0] * across, top: height / 2 - center[1] * down,
+    width: across, height: down, scale, first,
   };
 }
 

@@ -1,22 +1,22 @@
 // Panel: three slices of the volume, linked to each other and to the picture.
 import {h} from '../elements/dom.js';
 import {isoCommand, roundIso} from '../link/lines.js';
-import {choiceRow, intro, messageLine, numberField} from '../panel/panel_parts.js';
+import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
-import {CT_WINDOWS, allValues, firstWindow, isHounsfield} from './slice_pixels.js';
 import {planesOf} from './slice_planes.js';
+import {SliceSettings} from './slice_settings.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
 import {beyond} from './slice_words.js';
+import {limitedTimes} from './slice_zoom.js';
+import {WindowControls} from './window_controls.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
-/** @typedef {import('./slice_pixels.js').Window} Window */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
 const REST_MS = 250;        // A dragged isovalue rests after this time.
-const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a window/level drag per 1,000 values.
 const LEAST_TILT_DEG = 0.1;  // Smaller angles are rounding errors of the file.
 const EMPTY = 'No volume is open. Open a volume to see its slices.';
 
@@ -33,8 +33,8 @@ class SlicesPanel {
     this.root = root;
     /** @type {VolumeState | null} */
     this.volume = null;
-    /** @type {Window} */
-    this.through = {window: 1, level: 0};
+    /** Zoom of all slices. */
+    this.times = 1;
     /** @type {Vector} */
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
@@ -57,12 +57,12 @@ class SlicesPanel {
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
       'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
-    /** @type {import('./slice_view.js').Tool}  The chosen tool. A mode may replace it. */
+    /** @type {import('./slice_input.js').Tool}  The chosen tool. A mode may replace it. */
     this.tool = 'point';
-    this.window = numberField('Window', 'slices-window', window =>
-      this.look({...this.through, window: Math.max(window, 1e-6)}));
-    this.level = numberField('Level', 'slices-level', level => this.look({...this.through, level}));
-    this.presets = this.presetRow();
+    this.window = new WindowControls(through =>
+      this.panes.forEach(({view}) => view.repaint(through)));
+    this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
+      this.window.more);
     this.build();
     this.listen();
   }
@@ -70,6 +70,8 @@ class SlicesPanel {
   build() {
     this.tools = choiceRow('Tool for the slices', [
       {name: 'point', title: 'Point', help: 'Move the crosshair, here and in the picture'},
+      {name: 'move', title: 'Move', help: 'Drag a zoomed slice (with any tool: middle button). ' +
+        'Ctrl and the wheel zoom'},
       {name: 'measure', title: 'Measure', help: 'Distance between two clicks, in any slices'},
       {name: 'window', title: 'Window', help: 'Drag across for contrast, down for brightness ' +
         '(with any tool: right button or Shift)'},
@@ -82,8 +84,8 @@ class SlicesPanel {
     this.root.append(
       intro('Three slices of the scan. Lines show the surfaces.'),
       h('div', {class: 'tool-row'}, this.tools.element, this.target),
-      h('div', {class: 'tool-row'}, this.window.element, this.level.element), this.presets,
-      this.message.element, this.beyond, this.grid, this.readout, this.notes);
+      this.window.fields, this.window.presets, this.settings.element, this.message.element,
+      this.beyond, this.grid, this.readout, this.notes);
   }
 
   /** A click sets an isovalue while the tissue mode is on. */
@@ -97,16 +99,6 @@ class SlicesPanel {
     this.target.hidden = tool !== 'tissue';
   }
 
-  presetRow() {
-    const chips = CT_WINDOWS.map(({name, window, level}) => h('button', {type: 'button',
-      class: 'chip hounsfield', 'data-testid': `window-${name}`,
-      onclick: () => this.look({window, level})}, name));
-    const full = h('button', {type: 'button', class: 'chip', 'data-testid': 'window-full',
-      title: 'Full range of values', onclick: () => this.volume &&
-        this.look(allValues(this.volume))}, 'All values');
-    return h('div', {class: 'presets'}, ...chips, full);
-  }
-
   /**
    * @param {number} number  Index of the plane.
    * @returns {Pane}
@@ -118,13 +110,15 @@ class SlicesPanel {
       tissue: value => this.tissue(value),
       hover: (voxel, value) => this.hover(voxel, value),
       step: by => this.step(number, by),
-      window: (across, down) => this.drag(across, down),
+      window: (across, down) => this.window.drag(across, down),
+      zoom: (by, at) => this.zoom(by, number, at),
     });
     const source = new SliceSource(this.app.connection, {
       slice: slice => {
         if (this.volume) {
-          view.show(slice, this.volume.size, this.through);
+          view.show(slice, this.volume.size, this.window.through);
           view.setCrosshair(this.voxel);
+          this.hover(null, null);
           count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
           this.tell(slice);
         }
@@ -151,8 +145,10 @@ class SlicesPanel {
 
   listen() {
     const {store, connection, modes, selection, session} = this.app;
-    session.add('window', {save: () => this.volume && this.through,
-      restore: through => this.look(through)});
+    session.add('window', {save: () => this.volume && this.window.through,
+      restore: through => this.window.look(through)});
+    session.add('slices', {save: () => this.volume && this.settings.look,
+      restore: look => { this.settings.setLook(look); this.look(this.settings.look); }});
     session.add('crosshair', {save: () => this.volume && this.voxel,
       restore: voxel => this.point(voxel)});
     modes.watch(() => this.takeTool());
@@ -181,6 +177,12 @@ class SlicesPanel {
         this.move(nearestVoxel(this.volume, toVoxel(this.volume, p_mm)));
       }
     });
+    document.addEventListener('counts', event => {
+      const {identity, counts} = /** @type {CustomEvent} */ (event).detail;
+      if (identity === this.volume?.identity) {
+        this.window.count(counts);
+      }
+    });
     this.root.addEventListener('panelshow', () => {
       this.visible = true;
       if (this.stale) {
@@ -200,6 +202,8 @@ class SlicesPanel {
     this.message.say(volume ? '' : EMPTY);
     this.notes.textContent = '';
     this.readout.textContent = '';
+    this.times = 1;
+    this.settings.tellTimes(1);
     for (const {view, source, count} of this.panes) {
       source.forget();
       view.clear();
@@ -209,11 +213,8 @@ class SlicesPanel {
       return;
     }
     this.planes = planesOf(volume.voxel_to_patient);
-    for (const chip of this.presets.querySelectorAll('.hounsfield')) {
-      chip.toggleAttribute('hidden', !isHounsfield(volume));
-    }
+    this.window.open(volume, same);
     if (!same) {
-      this.look(firstWindow(volume));
       this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
     } else {
       this.refresh();
@@ -266,7 +267,25 @@ class SlicesPanel {
   move(voxel) {
     this.voxel = voxel;
     this.panes.forEach(({view}) => view.setCrosshair(voxel));
+    this.hover(null, null);
     this.refresh();
+  }
+
+  /**
+   * Zooms all slices, one of them around a place, the others around the crosshair.
+   * @param {number} by           0: shows whole slices.
+   * @param {number} [number]     Index of the plane.
+   * @param {[number, number] | null} [at]  CSS pixels of its view.
+   */
+  zoom(by, number, at = null) {
+    this.times = by === 0 ? 1 : limitedTimes(this.times * by);
+    this.panes.forEach(({view}, each) => view.zoomTo(this.times, each === number ? at : null));
+    this.settings.tellTimes(this.times);
+  }
+
+  /** @param {import('./slice_view.js').Look} look */
+  look(look) {
+    this.panes.forEach(({view}) => view.setLook(look, this.window.through));
   }
 
   /** @param {Vector} voxel */
@@ -330,41 +349,35 @@ class SlicesPanel {
   }
 
   /**
+   * Tells the value under the pointer; without a pointer, the crosshair's.
    * @param {Vector | null} voxel
    * @param {number | null} value
    */
   hover(voxel, value) {
     const volume = this.volume;
-    if (!volume || !voxel || value === null) {
+    const isCrosshair = !voxel;
+    const at = voxel ?? this.voxel;
+    const told = isCrosshair ? this.crosshairValue() : value;
+    if (!volume || told === null) {
       this.readout.textContent = '';
       return;
     }
-    const [x, y, z] = nearestVoxel(volume, voxel);
-    const shown = `${Number(value.toPrecision(6))} ${volume.unit}`.trim();
-    this.readout.replaceChildren(h('b', {}, shown), ` at voxel ${x}, ${y}, ${z}`,
-      h('span', {}, patientText(toPatient(volume, voxel))));
+    const [x, y, z] = nearestVoxel(volume, at);
+    const shown = `${Number(told.toPrecision(6))} ${volume.unit}`.trim();
+    this.readout.replaceChildren(h('b', {}, shown),
+      ` at ${isCrosshair ? 'the crosshair, ' : ''}voxel ${x}, ${y}, ${z}`,
+      h('span', {}, patientText(toPatient(volume, at))));
   }
 
-  /**
-   * Changes the window by a drag, as on workstations: across widens, down darkens.
-   * @param {number} across
-   * @param {number} down
-   */
-  drag(across, down) {
-    const range = this.volume ? this.volume.maximum - this.volume.minimum : 1;
-    const each = Math.min(range, 1000) / DRAG_ACROSS_RANGE;
-    this.look({
-      window: Math.max(this.through.window + 2 * across * each, each),
-      level: this.through.level + down * each,
-    });
-  }
-
-  /** @param {Window} through */
-  look(through) {
-    this.through = through;
-    this.window.input.value = String(Number(through.window.toPrecision(4)));
-    this.level.input.value = String(Number(through.level.toPrecision(4)));
-    this.panes.forEach(({view}) => view.repaint(through));
+  /** The value under the crosshair; null as long as no slice with it is there. */
+  crosshairValue() {
+    for (const {view} of this.panes) {
+      const value = view.valueAt(this.voxel);
+      if (value !== null) {
+        return value;
+      }
+    }
+    return null;
   }
 }
 

@@ -109,6 +109,10 @@ export class Histogram {
     // The handles need an axis even without counts. A volume with a single value gets an axis of
     // length 1.
     const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
+    if (hasCounts) {
+      document.dispatchEvent(new CustomEvent('counts',
+        {detail: {identity: volume.identity, counts: reply.result}}));
+    }
     this.counts_ = hasCounts ? reply.result
       : {first: volume.minimum, width: volume.maximum - volume.minimum || 1, counts: [0]};
     this.draw_();

@@ -1,0 +1,122 @@
+// Paints a slice on a canvas: image, contours, crosshair, letters.
+import {styleColor} from '../elements/canvas.js';
+import {boxAt, pixelAt} from './slice_pixels.js';
+
+/** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_pixels.js').Placed} Placed */
+/** @typedef {import('./slice_pixels.js').Slice} Slice */
+/** @typedef {'thick' | 'thin' | 'off'} Lines  Contours. */
+
+/**
+ * Where and how to paint.
+ * @typedef {object} Paper
+ * @property {HTMLCanvasElement} canvas
+ * @property {CanvasRenderingContext2D} context
+ * @property {Slice} slice
+ * @property {Placed} place
+ * @property {number} width     CSS pixels.
+ * @property {number} height
+ * @property {number} unit      Scale of text and lines.
+ */
+
+const CROSSHAIR_GAP = 6;    // Free space around the point, CSS pixels.
+const LETTER_MARGIN = 4;
+const LINE_WIDTH = {thick: 1.5, thin: 1};  // Contours, CSS pixels.
+const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
+const EDGE_COLOR = '#000c';
+
+/**
+ * Paints evenly spaced rows at once, uneven rows one by one with their heights.
+ * @param {Paper} paper
+ * @param {HTMLCanvasElement} image
+ * @param {boolean} smooth      Interpolates between pixels.
+ */
+export function paintImage({context, slice, place}, image, smooth) {
+  context.imageSmoothingEnabled = smooth;
+  context.imageSmoothingQuality = 'high';
+  if (!slice.places_mm?.[0] && !slice.places_mm?.[1]) {
+    context.drawImage(image, place.left, place.top, place.width, place.height);
+    return;
+  }
+  for (let y = 0; y < slice.height; ++y) {
+    const top = boxAt(slice, place, 0, y - 0.5)[1], end = boxAt(slice, place, 0, y + 0.5)[1];
+    context.drawImage(image, 0, y, slice.width, 1, place.left, top, place.width, end - top);
+  }
+}
+
+/**
+ * Paints contours; thick ones with a dark edge, so that light contours stay visible on bone.
+ * @param {Paper} paper
+ * @param {'thick' | 'thin'} lines
+ */
+export function paintContours({context, slice, place, unit}, lines) {
+  context.lineCap = 'round';
+  const paths = slice.contours.map(({color, first, count}) => {
+    const path = new Path2D();
+    for (let i = 4 * first; i < 4 * (first + count); i += 4) {
+      const [x0, y0, x1, y1] = slice.segments.subarray(i, i + 4);
+      path.moveTo(...boxAt(slice, place, x0, y0));
+      path.lineTo(...boxAt(slice, place, x1, y1));
+    }
+    return {color, path};
+  });
+  if (lines === 'thick') {  // All edges first, so that no edge covers a line.
+    context.strokeStyle = EDGE_COLOR;
+    context.lineWidth = (LINE_WIDTH.thick + 2 * EDGE_WIDTH) * unit;
+    paths.forEach(({path}) => context.stroke(path));
+  }
+  context.lineWidth = LINE_WIDTH[lines] * unit;
+  for (const {color, path} of paths) {
+    context.strokeStyle = color;
+    context.stroke(path);
+  }
+}
+
+/**
+ * @param {Paper} paper
+ * @param {Vector} size     Size of the volume, voxels.
+ * @param {Vector} voxel
+ */
+export function paintCrosshair({canvas, context, slice, place, unit}, size, voxel) {
+  const [x, y] = boxAt(slice, place, ...pixelAt(slice, size, voxel));
+  const right = place.left + place.width, bottom = place.top + place.height;
+  context.lineWidth = unit;
+  context.strokeStyle = styleColor(canvas, '--accent');
+  context.beginPath();
+  context.moveTo(place.left, y);
+  context.lineTo(x - CROSSHAIR_GAP, y);
+  context.moveTo(x + CROSSHAIR_GAP, y);
+  context.lineTo(right, y);
+  context.moveTo(x, place.top);
+  context.lineTo(x, y - CROSSHAIR_GAP);
+  context.moveTo(x, y + CROSSHAIR_GAP);
+  context.lineTo(x, bottom);
+  context.stroke();
+}
+
+/**
+ * Paints the letters of the patient's sides, and at the top left the zoom, if any.
+ * @param {Paper} paper
+ * @param {number} times    1: not zoomed.
+ */
+export function paintLetters({context, slice: {letters}, width, height, unit}, times) {
+  context.font = `600 ${12 * unit}px system-ui, sans-serif`;
+  context.textBaseline = 'middle';
+  context.lineWidth = 3 * unit;
+  context.strokeStyle = '#000c';
+  context.fillStyle = '#fff';
+  const upper = LETTER_MARGIN + 6 * unit;
+  /** @type {[string, number, number, CanvasTextAlign][]} */
+  const places = [[letters.left, LETTER_MARGIN, height / 2, 'left'],
+    [letters.right, width - LETTER_MARGIN, height / 2, 'right'],
+    [letters.top, width / 2, upper, 'center'],
+    [letters.bottom, width / 2, height - upper, 'center']];
+  if (times > 1) {
+    places.push([`${Number(times.toPrecision(2))} ×`, LETTER_MARGIN, upper, 'left']);
+  }
+  for (const [letter, x, y, align] of places) {
+    context.textAlign = align;
+    context.strokeText(letter, x, y);
+    context.fillText(letter, x, y);
+  }
+}

@@ -1,0 +1,87 @@
+// How slices look: zoom, interpolation, contours, colors.
+import {h} from '../elements/dom.js';
+import {MOST_TIMES} from './slice_zoom.js';
+import {COLOR_MAPS} from './windows.js';
+
+/** @typedef {import('./slice_view.js').Look} Look */
+
+const LINES = {thick: 'thick', thin: 'thin', off: 'none'};
+const ZOOM_STEP = 1.25;
+
+/**
+ * @param {string} label
+ * @param {string} testid
+ * @param {Record<string, string>} choices  Titles by name.
+ * @param {() => void} changed
+ */
+function choice(label, testid, choices, changed) {
+  const select = h('select', {'data-testid': testid, onchange: changed},
+    ...Object.entries(choices).map(([value, title]) => h('option', {value}, title)));
+  return {select, element: h('label', {class: 'number-field'}, label, select)};
+}
+
+/** A closed block below the tools. */
+export class SliceSettings {
+  /**
+   * @param {(look: Look) => void} changed
+   * @param {(by: number) => void} zoom   `by` times larger; 0: the whole slice.
+   * @param {Node} more                   Goes below.
+   */
+  constructor(changed, zoom, more) {
+    const tell = () => changed(this.look);
+    /** @private */
+    this.lines_ = choice('Contours', 'slice-lines', LINES, tell);
+    /** @private */
+    this.map_ = choice('Colors', 'slice-colors', COLOR_MAPS, tell);
+    /** @private */
+    this.smooth_ = h('input', {type: 'checkbox', 'data-testid': 'slice-smooth', onchange: tell});
+    this.smooth_.checked = true;
+    /** @private */
+    this.times_ = h('output', {class: 'slice-count', 'data-testid': 'slice-times'});
+    /** @private */
+    this.smaller_ = this.button_('−', 'Smaller', 'slice-smaller', () => zoom(1 / ZOOM_STEP));
+    /** @private */
+    this.larger_ = this.button_('+', 'Larger', 'slice-larger', () => zoom(ZOOM_STEP));
+    this.element = h('details', {class: 'slice-settings', 'data-testid': 'slice-settings'},
+      h('summary', {}, 'Zoom, contours, colors, windows'),
+      h('div', {class: 'tool-row'}, h('span', {class: 'number-field'}, 'Zoom', this.smaller_,
+        this.times_, this.larger_),
+      this.button_('Whole slice', 'Shows whole slices', 'slice-whole', () => zoom(0)),
+      h('label', {class: 'check', title: 'Interpolates between voxels'}, this.smooth_, 'Smooth')),
+      h('div', {class: 'tool-row'}, this.lines_.element, this.map_.element), more);
+    this.tellTimes(1);
+  }
+
+  /**
+   * @private
+   * @param {string} text
+   * @param {string} title
+   * @param {string} testid
+   * @param {() => void} press
+   */
+  button_(text, title, testid, press) {
+    return h('button', {type: 'button', title, 'aria-label': title, 'data-testid': testid,
+      onclick: press}, text);
+  }
+
+  /** @returns {Look} */
+  get look() {
+    return {smooth: this.smooth_.checked,
+      lines: /** @type {Look['lines']} */ (this.lines_.select.value),
+      map: /** @type {Look['map']} */ (this.map_.select.value)};
+  }
+
+  /** @param {Look} look */
+  setLook({smooth, lines, map}) {
+    this.smooth_.checked = smooth;
+    this.lines_.select.value = lines;
+    this.map_.select.value = map;
+  }
+
+  /** @param {number} times  The zoom. */
+  tellTimes(times) {
+    this.times_.textContent = `${Number(times.toPrecision(2))} ×`;
+    this.smaller_.disabled = times <= 1;
+    this.larger_.disabled = times >= MOST_TIMES;
+  }
+}

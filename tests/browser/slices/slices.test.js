@@ -1,0 +1,197 @@
+// Slices: zoom, move, contours, colors, interpolation, windows.
+import assert from 'node:assert/strict';
+import test, { beforeEach } from 'node:test';
+import { byId, page, server, shoot, usePage } from '../harness.js';
+import { after, drag, middleOf, rawSocket, say, settled, state } from '../steps.js';
+
+const NOTCH = 120;
+
+let raw;
+
+usePage(undefined, async () => {
+  raw = await rawSocket(page, server.url);
+  await byId('tab-slices').click();
+  await settled(page);
+  await byId('slices-readout').getByText('crosshair').waitFor();
+  await byId('slice-settings').locator('summary').click();
+});
+
+beforeEach(async () => {
+  if (await byId('slice-whole').isVisible()) {
+    await byId('slice-whole').click();
+    await page.mouse.move(1, 1);
+    await drawn();
+  }
+});
+
+/** The voxel that the readout tells for a place of the axial slice. */
+async function voxelAt(x, y) {
+  await page.mouse.move(x, y);
+  const text = await byId('slices-readout').innerText();
+  return text.match(/at voxel (\d+), (\d+), (\d+)/).slice(1).map(Number);
+}
+
+/** Red, green and blue of all pixels of a slice, as one array. */
+const pixelsOf = id => byId(id).evaluate(canvas =>
+  [...canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data]);
+
+/** Waits for the next picture of the screen: views draw once per refresh. */
+const drawn = () => page.evaluate(() => new Promise(done =>
+  requestAnimationFrame(() => requestAnimationFrame(done))));
+
+async function zoomAt(at, notches) {
+  await page.mouse.move(at.x, at.y);
+  await page.keyboard.down('Control');
+  const deltaY = -Math.sign(notches) * NOTCH;
+  for (let i = 0; i < Math.abs(notches); i++) await page.mouse.wheel(0, deltaY);
+  await page.keyboard.up('Control');
+  await drawn();
+}
+
+const times = async () => Number.parseFloat(await byId('slice-times').innerText());
+
+/** How many pixels of a canvas have about that color. */
+async function near(id, color) {
+  const rgb = [1, 3, 5].map(at => parseInt(color.slice(at, at + 2), 16));
+  const data = await pixelsOf(id);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) {
+    count += rgb.every((part, k) => Math.abs(data[i + k] - part) < 12) ? 1 : 0;
+  }
+  return count;
+}
+
+test('Ctrl and the wheel zoom all slices; the voxel under the pointer stays there', async () => {
+  const middle = await middleOf(byId('slice-axial'));
+  const at = { x: middle.x + 40, y: middle.y - 30 };
+  const before = await voxelAt(at.x, at.y);
+  const [axial, coronal] = [await pixelsOf('slice-axial'), await pixelsOf('slice-coronal')];
+  await zoomAt(at, 6);
+  assert.ok(Math.abs(await times() - 1.25 ** 6) < 0.1);
+  assert.deepEqual(await voxelAt(at.x + 1, at.y), before);
+  assert.notDeepEqual(await pixelsOf('slice-axial'), axial);
+  assert.notDeepEqual(await pixelsOf('slice-coronal'), coronal);
+  await zoomAt(at, -20);
+  assert.equal(await times(), 1);
+  assert.deepEqual(await voxelAt(at.x, at.y), before);
+});
+
+test('the Move tool and the middle button move a zoomed slice with the pointer', async () => {
+  const at = await middleOf(byId('slice-axial'));
+  await zoomAt(at, 7);
+  const before = await voxelAt(at.x, at.y);
+  const crosshair = (await state(page)).revision;
+  await byId('choice-move').click();
+  await drag(page, at, { x: at.x + 30, y: at.y - 20 });
+  await drawn();
+  assert.deepEqual(await voxelAt(at.x + 30, at.y - 20), before);
+  await byId('choice-point').click();
+  await page.mouse.move(at.x + 30, at.y - 20);
+  await page.mouse.down({ button: 'middle' });
+  await page.mouse.move(at.x, at.y, { steps: 5 });
+  await page.mouse.up({ button: 'middle' });
+  await drawn();
+  assert.deepEqual(await voxelAt(at.x, at.y), before);
+  assert.equal((await state(page)).revision, crosshair, 'nothing is sent to the machine');
+});
+
+test('a zoomed slice follows the crosshair', async () => {
+  const at = await middleOf(byId('slice-axial'));
+  await zoomAt(at, 3);
+  const accent = await page.evaluate(() =>
+    getComputedStyle(document.documentElement).getPropertyValue('--accent').trim());
+  const box = await byId('slice-coronal').boundingBox();
+  for (const share of [0.05, 0.95]) {  // Beyond what the axial slice shows.
+    await page.mouse.click(box.x + share * box.width, box.y + box.height / 2);
+    await drawn();
+    assert.ok(await near('slice-axial', accent) > 100, `at ${share}`);
+  }
+  await byId('slice-axial').focus();
+  await page.keyboard.press('0');
+  assert.equal(await times(), 1);
+  await page.keyboard.press('+');
+  assert.equal(await times(), 1.3);
+  await byId('slice-whole').click();
+  assert.equal(await times(), 1);
+  assert.ok(await byId('slice-smaller').isDisabled());
+});
+
+test('two fingers zoom and move', async () => {
+  const at = await middleOf(byId('slice-axial'));
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, ...points) => session.send('Input.dispatchTouchEvent',
+    { type, touchPoints: points.map(([x, y], id) => ({ x, y, id })) });
+  await touch('touchStart', [at.x - 20, at.y]);
+  await touch('touchStart', [at.x - 20, at.y], [at.x + 20, at.y]);
+  for (let reach = 25; reach <= 60; reach += 5) {
+    await touch('touchMove', [at.x - reach, at.y], [at.x + reach, at.y]);
+  }
+  await touch('touchEnd');
+  await drawn();
+  assert.equal(await times(), 3);
+  await byId('slice-whole').click();
+});
+
+test('contours are thick, thin or hidden', async () => {
+  const { color } = (await state(page)).surfaces.find(({ name }) => name === 'bone');
+  await byId('window-Lung').click();  // Bone and all else are white.
+  const counts = {};
+  for (const lines of ['thick', 'thin', 'off']) {
+    await byId('slice-lines').selectOption(lines);
+    await drawn();
+    counts[lines] = await near('slice-axial', color);
+  }
+  assert.ok(counts.thick > counts.thin && counts.thin > counts.off, JSON.stringify(counts));
+  assert.ok(counts.thin > 20 && counts.off < counts.thin / 4, JSON.stringify(counts));
+  await byId('window-full').click();
+});
+
+test('colors and square voxels', async () => {
+  await byId('slice-colors').selectOption('hot');
+  await drawn();
+  const hot = await pixelsOf('slice-axial');
+  assert.ok(hot.some((red, i) => i % 4 === 0 && red > 90 && hot[i + 1] < 20 && hot[i + 2] < 20));
+  await byId('slice-colors').selectOption('gray');
+  const at = await middleOf(byId('slice-axial'));
+  await zoomAt(at, 12);
+  /** Different grays in a row of the canvas beside the crosshair. */
+  const grays = () => byId('slice-axial').evaluate(canvas => {
+    const row = Math.round(canvas.height * 0.3);
+    const { data } = canvas.getContext('2d').getImageData(0, row, canvas.width, 1);
+    return new Set(Array.from({ length: data.length / 4 }, (_, i) => data[4 * i])).size;
+  });
+  await byId('window-Soft tissue').click();
+  await drawn();
+  const smooth = await grays();
+  await byId('slice-smooth').uncheck();
+  await drawn();
+  const square = await grays();
+  assert.ok(smooth > square, `${smooth} grays between voxels, ${square} of voxels`);
+  await shoot(page, 'slices_zoomed');
+  await byId('slice-smooth').check();
+  await byId('slice-whole').click();
+  await byId('slice-lines').selectOption('thick');
+});
+
+test('without a pointer, the readout has the value under the crosshair', async () => {
+  const stage = await middleOf(byId('stage'));
+  await page.mouse.move(stage.x, stage.y);
+  const text = await byId('slices-readout').innerText();
+  assert.match(text, /^-?[\d.]+\s+[\s\S]*at the crosshair, voxel \d+, \d+, \d+/);
+});
+
+test('scans that are no CT begin with the window of most values', async () => {
+  await after(page, () => say(raw, 'load phantom:fetus'),
+              now => now.volume?.name.includes('fetus'));
+  await byId('window-most').waitFor();
+  assert.ok(!await byId('window-Brain').isVisible());
+  const field = async id => Number(await byId(id).inputValue());
+  const first = [await field('slices-window'), await field('slices-level')];
+  const { minimum, maximum } = (await state(page)).volume;
+  assert.ok(first[0] < maximum - minimum, `${first} of ${minimum} to ${maximum}`);
+  await byId('window-full').click();
+  assert.deepEqual([await field('slices-window'), await field('slices-level')],
+                   [maximum - minimum, (minimum + maximum) / 2]);
+  await byId('window-most').click();
+  assert.deepEqual([await field('slices-window'), await field('slices-level')], first);
+});
