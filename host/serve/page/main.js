@@ -18,6 +18,7 @@ import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
 import {createTabs} from './shell/tabs.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
+import {Measures} from './panel/measures.js';
 import {Modes} from './state/modes.js';
 import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
@@ -43,7 +44,7 @@ function start() {
   picture.video = new Video(connection, text => toasts.info(text));
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
-    selection: new Selection(), session: new PageSession()};
+    selection: new Selection(), session: new PageSession(), measures: new Measures()};
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));

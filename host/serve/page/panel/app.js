@@ -21,6 +21,7 @@
  * @property {import('../elements/toasts.js').Toasts} toasts
  * @property {import('../state/selection.js').Selection} selection
  * @property {import('../state/page_session.js').PageSession} session
+ * @property {import('./measures.js').Measures} measures
  */
 
 export {};

@@ -91,7 +91,7 @@ export function numberField(label, testid, change) {
 /**
  * A button that enters a mode of the picture (modes.js) and stays pressed during the mode.
  * @param {import('./app.js').App} app
- * @param {{name: string, title: string, hint: string, testid: string,
+ * @param {{name: string, title: string, hint: string | (() => string), testid: string,
  *   click: (x: number, y: number) => void, leave?: () => void}} what
  */
 export function modeButton(app, {name, title, hint, testid, click, leave}) {
@@ -100,7 +100,7 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
       if (app.modes.current?.name === name) {
         app.modes.leave(name);
       } else {
-        app.modes.enter({name, hint, click, leave});
+        app.modes.enter({name, hint: typeof hint === 'string' ? hint : hint(), click, leave});
         // The mode ends when its panel is hidden.
         button.closest('[role=tabpanel]')?.addEventListener('panelhide',
           () => app.modes.leave(name), {once: true});

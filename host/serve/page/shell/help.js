@@ -18,7 +18,7 @@ const SHEET = /** @type {const} */ ([
     ['+  −  0 on a slice', 'zoom; 0 shows the whole slice'],
     ['Middle button, two fingers', 'move a zoomed slice'],
     ['Slices, Window', 'drag across for contrast, down for brightness'],
-    ['Measure', 'click two points to measure their distance'],
+    ['Measure', 'click points: distance, angle, path; in slices also regions'],
     ['Inspect', 'click a pixel to explain its color'],
   ]],
   ['Surfaces', [

@@ -27,9 +27,20 @@ export class SliceInput {
     /** @type {Tool} */ this.tool = 'point';
     /** @private */ this.wheel_ = 0;
     /** @private @type {{x: number, y: number, tool: Tool} | null} */ this.drag_ = null;
+    /** The last move of a pointer that is still here. @private @type {MouseEvent | null} */
+    this.pointer_ = null;
     /** @private Pressed fingers and buttons. @type {Map<number, [number, number]>} */
     this.fingers_ = new Map();
     this.listen_();
+  }
+
+  /** Reports what is under the pointer now, if there is one. */
+  hover() {
+    const under = this.pointer_ && this.view_.under(this.pointer_);
+    if (this.pointer_) {
+      this.events_.hover(under?.voxel ?? null, under?.value ?? null);
+    }
+    return under;
   }
 
   /** Whether a button or a finger is down. */
@@ -41,8 +52,13 @@ export class SliceInput {
   listen_() {
     const {canvas} = this.view_;
     const release = (/** @type {PointerEvent} */ event) => {
+      const measures = this.drag_?.tool === 'measure';
       this.fingers_.delete(event.pointerId);
       this.drag_ = null;
+      if (measures) {
+        const isEnd = event.type === 'pointerup';
+        this.events_.measure(isEnd ? 'release' : 'cancel', this.view_.under(event)?.voxel ?? null);
+      }
     };
     canvas.addEventListener('pointerdown', event => this.press_(event));
     canvas.addEventListener('pointermove', event => this.move_(event));
@@ -58,7 +74,10 @@ export class SliceInput {
         this.events_.zoom(0, this.view_.inView(event));
       }
     });
-    canvas.addEventListener('pointerleave', () => this.events_.hover(null, null));
+    canvas.addEventListener('pointerleave', () => {
+      this.pointer_ = null;
+      this.events_.hover(null, null);
+    });
     canvas.addEventListener('contextmenu', event => event.preventDefault());
     canvas.addEventListener('wheel', event => this.turn_(event), {passive: false});
     canvas.addEventListener('keydown', event => this.key_(event));
@@ -73,6 +92,9 @@ export class SliceInput {
     this.view_.canvas.setPointerCapture(event.pointerId);
     this.fingers_.set(event.pointerId, this.view_.inView(event));
     if (this.fingers_.size > 1) {
+      if (this.drag_?.tool === 'measure') {
+        this.events_.measure('cancel', null);
+      }
       this.drag_ = null;  // Two fingers move and zoom.
       return;
     }
@@ -83,7 +105,7 @@ export class SliceInput {
     if (under && tool === 'point') {
       this.events_.point(under.voxel);
     } else if (under && tool === 'measure') {
-      this.events_.measure(under.voxel);
+      this.events_.measure('press', under.voxel);
     } else if (under && tool === 'tissue') {
       this.events_.tissue(under.value);
     }
@@ -94,8 +116,8 @@ export class SliceInput {
    * @param {PointerEvent} event
    */
   move_(event) {
-    const under = this.view_.under(event);
-    this.events_.hover(under?.voxel ?? null, under?.value ?? null);
+    this.pointer_ = event;
+    const under = this.hover();
     if (this.fingers_.size === 2 && this.fingers_.has(event.pointerId)) {
       this.pinch_(event);
       return;
@@ -111,6 +133,8 @@ export class SliceInput {
       }
     } else if (drag?.tool === 'point' && under) {
       this.events_.point(under.voxel);
+    } else if (drag?.tool === 'measure' && under) {
+      this.events_.measure('move', under.voxel);
     }
   }
 

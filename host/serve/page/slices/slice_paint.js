@@ -24,6 +24,9 @@ const LETTER_MARGIN = 4;
 const LINE_WIDTH = {thick: 1.5, thin: 1};  // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
 const EDGE_COLOR = '#000c';
+const HALF_A_SLICE = 0.5;
+const END_RADIUS = 2.5;     // Of the points of a measurement, CSS pixels.
+const LABEL_ABOVE = 5;
 
 /**
  * Paints evenly spaced rows at once, uneven rows one by one with their heights.
@@ -92,6 +95,74 @@ export function paintCrosshair({canvas, context, slice, place, unit}, size, voxe
   context.moveTo(x, y + CROSSHAIR_GAP);
   context.lineTo(x, bottom);
   context.stroke();
+}
+
+/**
+ * Paints the measurements that lie in the slice.
+ * @param {Paper} paper
+ * @param {Vector} size     Size of the volume, voxels.
+ * @param {import('./slice_measure.js').Mark[]} marks
+ */
+export function paintMarks({canvas, context, slice, place, unit}, size, marks) {
+  const through = slice.axes[2];
+  const isHere = (/** @type {import('./slice_measure.js').Mark} */ {slice: own, voxels}) => own
+    ? own.axis === slice.axis && own.index === slice.index
+    : voxels.every(voxel => Math.abs(voxel[through] - slice.index) <= HALF_A_SLICE);
+  const color = styleColor(canvas, '--warn');
+  context.textAlign = 'center';
+  context.textBaseline = 'alphabetic';
+  context.font = `600 ${12 * unit}px system-ui, sans-serif`;
+  context.lineCap = 'round';
+  for (const {kind, voxels, text} of marks.filter(isHere)) {
+    const places = voxels.map(voxel => boxAt(slice, place, ...pixelAt(slice, size, voxel)));
+    const path = pathOf(kind, places);
+    for (const [style, width] of /** @type {const} */ ([[EDGE_COLOR, 4], [color, 1.5]])) {
+      context.strokeStyle = style;
+      context.lineWidth = width * unit;
+      context.stroke(path);
+    }
+    const [x, y] = labelPlace(kind, places);
+    context.strokeStyle = EDGE_COLOR;
+    context.lineWidth = 3 * unit;
+    context.fillStyle = '#fff';
+    context.strokeText(text, x, y - LABEL_ABOVE * unit);
+    context.fillText(text, x, y - LABEL_ABOVE * unit);
+  }
+}
+
+/**
+ * @param {import('../panel/measures.js').Kind} kind
+ * @param {[number, number][]} places
+ */
+function pathOf(kind, places) {
+  const path = new Path2D();
+  const [[x0, y0], [x1, y1] = [x0, y0]] = places;
+  if (kind === 'ellipse') {
+    path.ellipse((x0 + x1) / 2, (y0 + y1) / 2, Math.abs(x1 - x0) / 2, Math.abs(y1 - y0) / 2, 0, 0,
+      2 * Math.PI);
+  } else if (kind === 'rectangle') {
+    path.rect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
+  } else {
+    places.forEach(([x, y], k) => k === 0 ? path.moveTo(x, y) : path.lineTo(x, y));
+    for (const [x, y] of places) {
+      path.moveTo(x + END_RADIUS, y);
+      path.arc(x, y, END_RADIUS, 0, 2 * Math.PI);
+    }
+  }
+  return path;
+}
+
+/**
+ * Where the label stands: above a region, at the vertex of an angle, else in the middle.
+ * @param {import('../panel/measures.js').Kind} kind
+ * @param {[number, number][]} places
+ * @returns {[number, number]}
+ */
+function labelPlace(kind, places) {
+  const half = kind === 'angle' ? 1 : (places.length - 1) / 2;
+  const a = places[Math.floor(half)] ?? places[0], b = places[Math.ceil(half)] ?? places[0];
+  const isRegion = kind === 'ellipse' || kind === 'rectangle';
+  return [(a[0] + b[0]) / 2, isRegion ? Math.min(a[1], b[1]) : (a[1] + b[1]) / 2];
 }
 
 /**

@@ -144,6 +144,41 @@ export function placedIn(slice, width, height, {times, center} = WHOLE) {
 }
 
 /**
+ * The values of the pixels whose middles lie in a region between two corners, and its area. Pixels
+ * count as in voxelAt().
+ * @param {Slice} slice
+ * @param {'ellipse' | 'rectangle'} kind
+ * @param {[number, number]} a  A corner of the box around the region.
+ * @param {[number, number]} b  The opposite one.
+ * @returns {{values: number[], area_mm2: number}}
+ */
+export function valuesIn(slice, kind, a, b) {
+  const along = (/** @type {0 | 1} */ side) => {
+    const [p, q] = [placeAlong(slice, side, a[side]), placeAlong(slice, side, b[side])];
+    return {middle: (p + q) / 2, radius: Math.abs(q - p) / 2};
+  };
+  const across = along(0), down = along(1);
+  /** How far a pixel is from the middle; 1 on the edge of the box. */
+  const far = (/** @type {{middle: number, radius: number}} */ {middle, radius},
+    /** @type {0 | 1} */ side, /** @type {number} */ number) =>
+    radius === 0 ? Infinity : Math.abs(placeAlong(slice, side, number) - middle) / radius;
+  /** @type {number[]} */
+  const values = [];
+  for (let y = 0; y < slice.height; ++y) {
+    const v = far(down, 1, y);
+    for (let x = 0; v <= 1 && x < slice.width; ++x) {
+      const u = far(across, 0, x);
+      if (kind === 'ellipse' ? u * u + v * v <= 1 : u <= 1) {
+        values.push(slice.values[y * slice.width + x]);
+      }
+    }
+  }
+  const shape = kind === 'ellipse' ? Math.PI : 4;
+  const shear = Math.cos((slice.skew_deg ?? 0) * Math.PI / 180);
+  return {values, area_mm2: shape * across.radius * down.radius * shear};
+}
+
+/**
  * A place in the box from slice pixels.
  * @param {Slice} slice
  * @param {Placed} placed

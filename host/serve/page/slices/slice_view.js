@@ -2,8 +2,9 @@
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {SliceInput} from './slice_input.js';
-import {paintContours, paintCrosshair, paintImage, paintLetters} from './slice_paint.js';
-import {boxAt, pixelAt, placedIn, sliceAtBox, voxelAt} from './slice_pixels.js';
+import {paintContours, paintCrosshair, paintImage, paintLetters, paintMarks}
+  from './slice_paint.js';
+import {boxAt, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt} from './slice_pixels.js';
 import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js';
 import {paintValues} from './windows.js';
 
@@ -24,7 +25,8 @@ import {paintValues} from './windows.js';
  * Callbacks of a slice view.
  * @typedef {object} Events
  * @property {(voxel: Vector) => void} point        The user chose this voxel.
- * @property {(voxel: Vector) => void} measure      The measuring tool picked this place.
+ * @property {(phase: Phase, voxel: Vector | null) => void} measure  The measuring tool was used at
+ *     this place; null outside of the slice.
  * @property {(value: number) => void} tissue       The tissue tool picked this value.
  * @property {(voxel: Vector | null, value: number | null) => void} hover
  * @property {(by: number) => void} step            To the next slices.
@@ -32,6 +34,8 @@ import {paintValues} from './windows.js';
  * @property {(by: number, at: [number, number] | null) => void} zoom  `by` times larger, around a
  *     place of this view, in CSS pixels, or the crosshair; 0: the whole slice.
  */
+
+/** @typedef {'press' | 'move' | 'release' | 'cancel'} Phase */
 
 /** @type {Look} */
 const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
@@ -48,6 +52,7 @@ export class SliceView {
     /** @private @type {Vector | null} */ this.crosshair_ = null;
     /** @private @type {Zoom} */ this.zoom_ = WHOLE;
     /** @private */ this.look_ = USUAL;
+    /** @private @type {import('./slice_measure.js').Mark[]} */ this.marks_ = [];
     /** @private */ this.image_ = h('canvas');
     this.canvas = h('canvas', {
       class: 'slice-canvas', tabindex: 0, role: 'application',
@@ -139,6 +144,35 @@ export class SliceView {
     return slice.values[Math.round(y) * slice.width + Math.round(x)] ?? null;
   }
 
+  /** Tells again what is under the pointer. Returns whether it is over a voxel. */
+  hover() {
+    return Boolean(this.input_.hover());
+  }
+
+  /** @param {import('./slice_measure.js').Mark[]} marks */
+  setMarks(marks) {
+    this.marks_ = marks;
+    this.draw();
+  }
+
+  /** Which slice is shown, if any. */
+  get shown() {
+    return this.slice_ && {axis: this.slice_.axis, index: this.slice_.index};
+  }
+
+  /**
+   * The values of the shown slice in a region between two corners, and its area.
+   * @param {import('../panel/measures.js').Kind} kind  Ellipse or rectangle.
+   * @param {Vector} a
+   * @param {Vector} b
+   */
+  valuesIn(kind, a, b) {
+    const slice = this.slice_;
+    return slice && (kind === 'ellipse' || kind === 'rectangle')
+      ? valuesIn(slice, kind, pixelAt(slice, this.size_, a), pixelAt(slice, this.size_, b))
+      : {values: [], area_mm2: 0};
+  }
+
   /**
    * Zooms around a place of the view, or around the crosshair.
    * @param {number} times                    1: the whole slice.
@@ -226,6 +260,7 @@ export class SliceView {
     if (this.crosshair_) {
       paintCrosshair(paper, this.size_, this.crosshair_);
     }
+    paintMarks(paper, this.size_, this.marks_);
     paintLetters(paper, this.zoom_.times);
   }
 

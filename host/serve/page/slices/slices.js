@@ -3,6 +3,7 @@ import {h} from '../elements/dom.js';
 import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
+import {SliceMeasure} from './slice_measure.js';
 import {planesOf} from './slice_planes.js';
 import {SliceSettings} from './slice_settings.js';
 import {SliceSource} from './slice_source.js';
@@ -39,8 +40,6 @@ class SlicesPanel {
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
     this.planes = [];
-    /** The first end of a length, in mm. @type {Vector | null} */
-    this.first = null;
     /** Number of opened volumes. */
     this.opened = 0;
     /** The settings that the contours depend on, as JSON. */
@@ -63,6 +62,7 @@ class SlicesPanel {
       this.panes.forEach(({view}) => view.repaint(through)));
     this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
       this.window.more);
+    this.measure = new SliceMeasure(app, this.message, () => this.mark());
     this.build();
     this.listen();
   }
@@ -72,7 +72,8 @@ class SlicesPanel {
       {name: 'point', title: 'Point', help: 'Move the crosshair, here and in the picture'},
       {name: 'move', title: 'Move', help: 'Drag a zoomed slice (with any tool: middle button). ' +
         'Ctrl and the wheel zoom'},
-      {name: 'measure', title: 'Measure', help: 'Distance between two clicks, in any slices'},
+      {name: 'measure', title: 'Measure', help: 'Distances, angles and paths; areas and values ' +
+        'of regions'},
       {name: 'window', title: 'Window', help: 'Drag across for contrast, down for brightness ' +
         '(with any tool: right button or Shift)'},
       {name: 'tissue', title: 'Tissue', help: 'Set the isovalue to the value under the pointer'},
@@ -83,7 +84,8 @@ class SlicesPanel {
     });
     this.root.append(
       intro('Three slices of the scan. Lines show the surfaces.'),
-      h('div', {class: 'tool-row'}, this.tools.element, this.target),
+      h('div', {class: 'tool-row'}, this.tools.element, this.target, this.measure.kind,
+        this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
       this.beyond, this.grid, this.readout, this.notes);
   }
@@ -94,7 +96,7 @@ class SlicesPanel {
     for (const {view} of this.panes) {
       view.setTool(tool);
     }
-    this.first = null;
+    this.measure.show(tool === 'measure');
     this.tools?.show(tool);
     this.target.hidden = tool !== 'tissue';
   }
@@ -106,7 +108,7 @@ class SlicesPanel {
   pane(number) {
     const view = new SliceView(PLANES[number], {
       point: voxel => this.point(voxel),
-      measure: voxel => void this.measure(voxel),
+      measure: (phase, voxel) => this.volume && this.measure.take(phase, voxel, view, this.volume),
       tissue: value => this.tissue(value),
       hover: (voxel, value) => this.hover(voxel, value),
       step: by => this.step(number, by),
@@ -118,7 +120,7 @@ class SlicesPanel {
         if (this.volume) {
           view.show(slice, this.volume.size, this.window.through);
           view.setCrosshair(this.voxel);
-          this.hover(null, null);
+          this.tellValue();
           count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
           this.tell(slice);
         }
@@ -152,6 +154,7 @@ class SlicesPanel {
     session.add('crosshair', {save: () => this.volume && this.voxel,
       restore: voxel => this.point(voxel)});
     modes.watch(() => this.takeTool());
+    this.app.measures.watch(() => this.mark());
     selection.watch(name => { this.target.value = name; });
     // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
@@ -197,7 +200,7 @@ class SlicesPanel {
     const same = volume !== null && volume.identity === this.volume?.identity;
     this.volume = volume;
     ++this.opened;
-    this.first = null;
+    this.measure.forget();
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
     this.notes.textContent = '';
@@ -267,7 +270,7 @@ class SlicesPanel {
   move(voxel) {
     this.voxel = voxel;
     this.panes.forEach(({view}) => view.setCrosshair(voxel));
-    this.hover(null, null);
+    this.tellValue();
     this.refresh();
   }
 
@@ -281,6 +284,12 @@ class SlicesPanel {
     this.times = by === 0 ? 1 : limitedTimes(this.times * by);
     this.panes.forEach(({view}, each) => view.zoomTo(this.times, each === number ? at : null));
     this.settings.tellTimes(this.times);
+  }
+
+  /** Shows the measurements. */
+  mark() {
+    const marks = this.volume ? this.measure.marks(this.volume) : [];
+    this.panes.forEach(({view}) => view.setMarks(marks));
   }
 
   /** @param {import('./slice_view.js').Look} look */
@@ -297,28 +306,6 @@ class SlicesPanel {
       document.dispatchEvent(new CustomEvent('place',
         {detail: {p_mm: toPatient(volume, held), from: SELF}}));
     }
-  }
-
-  /** @param {Vector} voxel  An end of a length, not rounded. */
-  async measure(voxel) {
-    const volume = this.volume, first = this.first;
-    if (!volume) {
-      return;
-    }
-    const p_mm = toPatient(volume, voxel);
-    this.first = first ? null : p_mm;
-    if (!first) {
-      this.message.say('Click the second point, in any slice.');
-      return;
-    }
-    const {ok, error = '', result} = await this.app.connection.do(
-      `measure ${first.join(',')} ${p_mm.join(',')}`, {quiet: true});
-    if (!ok) {
-      this.message.fail(error);
-      return;
-    }
-    this.message.say(`${result.distance_mm.toFixed(1)} mm. The tab Measure lists all distances.`);
-    document.dispatchEvent(new CustomEvent('distance', {detail: result}));
   }
 
   /**
@@ -345,6 +332,13 @@ class SlicesPanel {
     } else if (this.volume) {
       connection.mark();
       void connection.set(isoCommand(selection.name, roundIso(value, this.volume)));
+    }
+  }
+
+  /** Tells the value under the pointer, or under the crosshair. */
+  tellValue() {
+    if (!this.panes.some(({view}) => view.hover())) {
+      this.hover(null, null);
     }
   }
 

@@ -1,0 +1,113 @@
+// Lengths, angles, regions and their files: the modules that need no browser.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
+import {MOST_MEASURES, Measures, angleOf, csvOf, jsonOf, lengthOf, measureText, valuesOf,
+  valuesText} from '../../../host/serve/page/panel/measures.js';
+
+/** @param {number} a @param {number} b */
+const near = (a, b) =>
+  assert.ok(Math.abs(a - b) < 1e-9 * Math.max(1, Math.abs(b)), `${a}, not ${b}`);
+
+test('the length of a path is the sum of its lines', () => {
+  assert.equal(lengthOf([[0, 0, 0], [3, 4, 0], [3, 4, 12]]), 17);
+  assert.equal(lengthOf([[1, 2, 3]]), 0);
+});
+
+test('angles are exact, also the small and the straight ones', () => {
+  near(angleOf([[1, 0, 0], [0, 0, 0], [0, 5, 0]]), 90);
+  near(angleOf([[1, 0, 0], [0, 0, 0], [-2, 0, 0]]), 180);
+  near(angleOf([[1, 0, 0], [0, 0, 0], [1, 1e-7, 0]]), 1e-7 * 180 / Math.PI);
+  near(angleOf([[10, 0, 1], [10, 0, 0], [11, 0, 1]]), 45);
+  assert.throws(() => angleOf([[1, 2, 3], [1, 2, 3], [0, 0, 0]]), /same/);
+});
+
+test('values have the deviation of a sample', () => {
+  assert.deepEqual(valuesOf([2, 4, 4, 4, 5, 5, 7, 9]),
+    {voxels: 8, mean: 5, deviation: Math.sqrt(32 / 7), least: 2, most: 9});
+  assert.equal(valuesOf([3]).deviation, 0);
+  assert.throws(() => valuesOf([]), /no voxel/);
+});
+
+/** A slice of 6 x 5 pixels of 2 x 3 mm with values 0 to 29. */
+function slice(more = {}) {
+  const bytes = new ArrayBuffer(64);
+  new Int16Array(bytes).set(Array.from({length: 30}, (_, k) => k));
+  return sliceOf('z', 1, {json: {type: 'int16', width: 6, height: 5, spacing_mm: [2, 3],
+    letters: {}, axes: [0, 1, 2], flips: [false, false], contours: [], ...more}, bytes});
+}
+
+test('a rectangle has the pixels whose middles are inside, and its own area', () => {
+  const {values, area_mm2} = valuesIn(slice(), 'rectangle', [3.4, 0.6], [0.6, 2.4]);
+  assert.deepEqual(values, [7, 8, 9, 13, 14, 15]);
+  near(area_mm2, 2.8 * 2 * 1.8 * 3);
+});
+
+test('an ellipse leaves out the corners of its box', () => {
+  const {values, area_mm2} = valuesIn(slice(), 'ellipse', [0, 0], [4, 4]);
+  assert.deepEqual(values, [2, 7, 8, 9, 12, 13, 14, 15, 16, 19, 20, 21, 26]);
+  near(area_mm2, Math.PI * 4 * 6);
+});
+
+test('uneven rows and sheared slices have their true area', () => {
+  const uneven = valuesIn(slice({places_mm: [null, [0, 3, 12, 15, 18]]}), 'rectangle', [0, 0],
+    [5, 2]);
+  near(uneven.area_mm2, 10 * 12);
+  assert.equal(uneven.values.length, 18);
+  near(valuesIn(slice({skew_deg: 60}), 'rectangle', [0, 0], [1, 1]).area_mm2, 3);
+});
+
+test('a region without the middle of a voxel has no values', () => {
+  assert.deepEqual(valuesIn(slice(), 'rectangle', [0.1, 0.1], [0.4, 0.4]).values, []);
+  assert.deepEqual(valuesIn(slice(), 'ellipse', [1, 1], [1, 1]).values, []);
+});
+
+const REGION = /** @type {any} */ ({kind: 'ellipse', points_mm: [[0, 0, 5], [10, 20, 5]],
+  value: 157.08, slice: {axis: 'z', index: 4},
+  values: {voxels: 1234, mean: 41.23456, deviation: 8, least: -12, most: 60}});
+
+test('measurements are told in words', () => {
+  assert.equal(measureText({kind: 'distance', value: 12.345}), '12.3 mm');
+  assert.equal(measureText({kind: 'path', value: 123.45}), '123 mm');
+  assert.equal(measureText({kind: 'angle', value: 123.45}), '123.5°');
+  assert.equal(measureText(REGION), '157 mm²');
+  assert.equal(valuesText(REGION.values, 'HU'),
+    'mean 41.23, deviation 8, -12 to 60 HU, 1,234 voxels');
+});
+
+test('files have every number in full', () => {
+  const measures = new Measures();
+  measures.add({kind: 'distance', points_mm: [[0, 0, 0], [0, 0, 12.5]], value: 12.5});
+  measures.add(REGION);
+  const [head, first, second, end] = csvOf(measures.list, 'HU').split('\r\n');
+  assert.equal(head.split(',').length, 12);
+  assert.equal(first, '1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,');
+  assert.equal(second, '2,ellipse,157.08,mm2,0 0 5; 10 20 5,z 4,1234,41.23456,8,-12,60,HU');
+  assert.equal(end, '');
+  const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
+  assert.equal(json.volume, 'a "scan"');
+  assert.deepEqual(json.measurements.map(each => each.unit), ['mm', 'mm2']);
+  assert.deepEqual(json.measurements[1].values, REGION.values);
+});
+
+test('sessions are restored, also those that had distances alone', () => {
+  const measures = new Measures();
+  measures.restore([{name: '3', a_mm: [0, 0, 0], b_mm: [0, 3, 4], distance_mm: 5}]);
+  assert.deepEqual(measures.list, [{name: '3', kind: 'distance', points_mm: [[0, 0, 0], [0, 3, 4]],
+    value: 5}]);
+  measures.add(REGION);
+  assert.equal(measures.list[1].name, '4');
+  const again = new Measures();
+  again.restore(JSON.parse(JSON.stringify(measures.list)));
+  assert.deepEqual(again.list, measures.list);
+});
+
+test('more measurements than the limit are refused, and none is lost', () => {
+  const measures = new Measures();
+  for (let k = 0; k < MOST_MEASURES; ++k) {
+    measures.add(REGION);
+  }
+  assert.throws(() => measures.add(REGION), /100 measurements.*Delete/);
+  assert.equal(measures.list[0].name, '1');
+});
