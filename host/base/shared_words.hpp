@@ -23,6 +23,18 @@ class SharedWords {
     SharedWords(std::span<const std::uint32_t> words, std::shared_ptr<const void> owner)
         : words_(words), owner_(std::move(owner)) {}
 
+    SharedWords(const SharedWords&) = default;
+    SharedWords& operator=(const SharedWords&) = default;
+    /// Leaves `other` empty.
+    SharedWords(SharedWords&& other) noexcept
+        : words_(std::exchange(other.words_, {})), owner_(std::move(other.owner_)) {}
+    SharedWords& operator=(SharedWords&& other) noexcept {
+        words_ = std::exchange(other.words_, {});
+        owner_ = std::move(other.owner_);
+        return *this;
+    }
+    ~SharedWords() = default;
+
     const std::uint32_t* data() const { return words_.data(); }
     std::size_t size() const { return words_.size(); }
     bool empty() const { return words_.empty(); }

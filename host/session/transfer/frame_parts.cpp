@@ -53,7 +53,8 @@ SharedWords FrameParts::joined(const Words* (schema::FrameDone::*words)() const)
                                 : std::span<const std::uint32_t>(found->data(), found->size());
     };
     if (parts_.size() == 1) {
-        return {of(0), std::make_shared<const bus::Message>(*parts_[0])};
+        return of(0).empty() ? SharedWords()
+                             : SharedWords(of(0), std::make_shared<const bus::Message>(*parts_[0]));
     }
     std::vector<std::uint32_t> into;
     for (std::size_t view = 0; view < views_; ++view) {
