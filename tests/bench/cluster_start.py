@@ -4,8 +4,8 @@
 usage: cluster_start.py PXPL5 [--topology NAME] [--computers N] [--runs N] [--check]
 
 The computers are those of tests/cluster: see the README there. All use this computer's processors.
-Runs alternate: one computer, then the nodes of an allocation (without and with CURVE), then a new
-allocation by salloc. A start ends with the answer to the first command. Prints a Markdown table:
+Runs alternate: one computer; the nodes of an allocation, without and with CURVE; a new allocation,
+whose salloc counts. A start ends with the answer to the first command. Prints a Markdown table:
 medians, and pairwise ratios to one computer. --check: exit code 1 if the ratio in an allocation is
 above 2.5. SKIPPED where no cluster can be.
 """
@@ -39,7 +39,9 @@ def start_s(popen: Callable[..., subprocess.Popen], command: List[str]) -> float
                     stderr=subprocess.PIPE, text=True)
     session.run_line(machine, FIRST)
     taken_s = time.perf_counter() - begin_s
-    machine.communicate(timeout=LIMIT_S)
+    complaint = machine.communicate(timeout=LIMIT_S)[1]
+    if machine.returncode != 0:
+        raise session.MeasureError(f"exit code {machine.returncode}: {complaint}")
     return taken_s
 
 
@@ -48,29 +50,20 @@ def command_of(words: argparse.Namespace, more: List[str]) -> List[str]:
             "--topology", words.topology, *more]
 
 
-def samples_in_allocation(words: argparse.Namespace) -> Dict[str, List[float]]:
-    """Runs in the command of salloc."""
-    found: Dict[str, List[float]] = {place: [] for place in IN_ALLOCATION}
-    for _ in range(words.runs):
-        for place, more in IN_ALLOCATION.items():
-            found[place].append(start_s(subprocess.Popen, command_of(words, more)))
-    return found
-
-
-def samples_on(cluster: Cluster, words: argparse.Namespace) -> Dict[str, List[float]]:
+def sample(cluster: Cluster, words: argparse.Namespace, place: str) -> float:
+    """One start on the login computer, alone or as the command of salloc."""
     allocate = ["salloc", "--quiet", f"-N{words.computers}", f"-n{words.computers}"]
-    inner = cluster.login([*allocate, "python3", "-B", str(pathlib.Path(__file__).resolve()),
-                           str(words.program), "--topology", words.topology, "--runs",
-                           str(words.runs), "--inside"], timeout=LIMIT_S)
-    found = json.loads(inner.stdout.splitlines()[-1])
-    cluster.wait_until_idle()
-    found[BY_SALLOC] = []
-    for _ in range(words.runs):
+    if place == BY_SALLOC:
         def popen(command, **pipes):
             return cluster.popen("login", [*allocate, *command], **pipes)
-        found[BY_SALLOC].append(start_s(popen, command_of(words, SLURM)))
-        cluster.wait_until_idle()
-    return found
+        taken_s = start_s(popen, command_of(words, SLURM))
+    else:  # This program, as the allocation's command, takes the time.
+        inner = cluster.login([*allocate, "python3", "-B", str(pathlib.Path(__file__).resolve()),
+                               str(words.program), "--topology", words.topology, "--inside",
+                               place], timeout=LIMIT_S)
+        taken_s = json.loads(inner.stdout.splitlines()[-1])
+    cluster.wait_until_idle()
+    return taken_s
 
 
 def main() -> int:
@@ -80,16 +73,19 @@ def main() -> int:
     parser.add_argument("--computers", type=int, default=3)
     parser.add_argument("--runs", type=int, default=7)
     parser.add_argument("--check", action="store_true")
-    parser.add_argument("--inside", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--inside", choices=IN_ALLOCATION, help=argparse.SUPPRESS)
     words = parser.parse_args()
     if words.inside:
-        print(json.dumps(samples_in_allocation(words)))
+        print(start_s(subprocess.Popen, command_of(words, IN_ALLOCATION[words.inside])))
         return 0
     if reason := missing([words.program.parent]):
         print(f"SKIPPED: {reason}")
         return 0
     with Cluster(computers=words.computers, slots=64, shared=[words.program.parent]) as cluster:
-        samples = samples_on(cluster, words)
+        samples: Dict[str, List[float]] = {place: [] for place in (*IN_ALLOCATION, BY_SALLOC)}
+        for _ in range(words.runs):
+            for place, found in samples.items():
+                found.append(sample(cluster, words, place))
     local = samples["one computer"]
     ratios = {place: figures.pairwise_ratio(found, local) for place, found in samples.items()}
     print(f"{words.topology}, {words.computers} computers, {words.runs} starts each")
