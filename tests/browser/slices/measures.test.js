@@ -139,7 +139,64 @@ test('angles and paths on the surface; Enter ends a path, Esc keeps it', async (
   await shoot(page, 'measured');
 });
 
+test('Enter waits for the points of all clicks, and the next path begins anew', async () => {
+  await byId('tab-measure').click();
+  await byId('measure-mode').click();
+  const stage = await byId('stage').boundingBox();
+  const before = (await listed()).length;
+  for (const x of [0.44, 0.5, 0.56]) {
+    await page.mouse.click(stage.x + x * stage.width, stage.y + 0.41 * stage.height);
+  }
+  await page.keyboard.press('Enter');
+  await byId('measure-list').locator('li').nth(before).waitFor();
+  await page.keyboard.press('Escape');
+  await byId('measure-message').filter({ hasText: /^$/ }).waitFor({ state: 'attached' });
+  const [download] = await Promise.all([page.waitForEvent('download'),
+                                        byId('measure-json').click()]);
+  const { measurements } = JSON.parse(await readFile(await download.path(), 'utf8'));
+  assert.equal(measurements.length, before + 1);
+  assert.equal(measurements.at(-1).points_mm.length, 3);
+});
+
+test('with keys: Enter sets corners at the crosshair, Esc ends a path', async () => {
+  await byId('tab-slices').click();
+  await byId('slices-kind').selectOption('path');
+  await byId('slice-axial').focus();
+  const before = (await listed()).length;
+  await page.keyboard.press('Enter');
+  for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowRight');
+  await page.keyboard.press('Enter');
+  await page.keyboard.press('Escape');
+  await byId('measure-list').locator('li').nth(before).waitFor({ state: 'attached' });
+  const { spacing_mm } = (await state(page)).volume;
+  const path = await number(last().locator('b').textContent());
+  assert.ok(Math.abs(path - 5 * spacing_mm[0]) < 0.06, `${path} mm`);
+  await byId('slices-kind').selectOption('rectangle');
+  await byId('slice-axial').focus();
+  await page.keyboard.press('Enter');
+  for (const key of ['ArrowLeft', 'ArrowDown']) {
+    for (let i = 0; i < 4; i++) await page.keyboard.press(key);
+  }
+  await page.keyboard.press('Enter');
+  await byId('slices-message').getByText('25 voxels').waitFor();
+});
+
+test('a region reaches the edge of the slice, however fast the pointer leaves it', async () => {
+  await byId('slices-kind').selectOption('rectangle');
+  const at = await middleOf(byId('slice-axial'));
+  await page.mouse.move(at.x, at.y);
+  await page.mouse.down();
+  await page.mouse.move(at.x + 1500, at.y - 1500);
+  await page.mouse.up();
+  const { size } = (await state(page)).volume;
+  const text = await byId('slices-message').innerText();
+  const voxels = Number(text.match(/([\d,]+) voxels/)[1].replaceAll(',', ''));
+  const quarter = size[0] * size[1] / 4;
+  assert.ok(Math.abs(voxels - quarter) < 0.1 * quarter, `${voxels} voxels, ${quarter}`);
+});
+
 test('the files have all measurements', async () => {
+  await byId('tab-measure').click();
   const names = await byId('measure-list').locator('.badge').allTextContents();
   const saved = async suffix => {
     const [download] = await Promise.all([page.waitForEvent('download'),
@@ -148,14 +205,14 @@ test('the files have all measurements', async () => {
     return readFile(await download.path(), 'utf8');
   };
   const lines = (await saved('csv')).trim().split('\r\n').map(line => line.split(','));
-  assert.deepEqual(lines.slice(1).map(line => line[0]), names);
+  assert.deepEqual(lines.slice(1).map(line => line[1]), names);
   const { volume, measurements } = JSON.parse(await saved('json'));
   assert.equal(volume, (await state(page)).volume.name);
   assert.deepEqual(measurements.map(({ name }) => name), names);
   const told = await listed();
   for (const [index, { kind, value }] of measurements.entries()) {
-    assert.equal(Number(lines[index + 1][2]), value);
-    assert.equal(lines[index + 1][1], kind);
+    assert.equal(Number(lines[index + 1][3]), value);
+    assert.equal(lines[index + 1][2], kind);
     assert.ok(Math.abs(Number.parseFloat(told[index]) - value) <= 0.5, `${told[index]}: ${value}`);
   }
 });

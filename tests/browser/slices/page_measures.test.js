@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
-import {MOST_MEASURES, Measures, angleOf, csvOf, jsonOf, lengthOf, measureText, valuesOf,
+import {MOST_MEASURES, Measures, Points, angleOf, csvOf, jsonOf, lengthOf, measureText, valuesOf,
   valuesText} from '../../../host/serve/page/panel/measures.js';
 
 /** @param {number} a @param {number} b */
@@ -26,7 +26,7 @@ test('angles are exact, also the small and the straight ones', () => {
 test('values have the deviation of a sample', () => {
   assert.deepEqual(valuesOf([2, 4, 4, 4, 5, 5, 7, 9]),
     {voxels: 8, mean: 5, deviation: Math.sqrt(32 / 7), least: 2, most: 9});
-  assert.equal(valuesOf([3]).deviation, 0);
+  assert.equal(valuesOf([3]).deviation, null);
   assert.throws(() => valuesOf([]), /no voxel/);
 });
 
@@ -67,6 +67,27 @@ const REGION = /** @type {any} */ ({kind: 'ellipse', points_mm: [[0, 0, 5], [10,
   value: 157.08, slice: {axis: 'z', index: 4},
   values: {voxels: 1234, mean: 41.23456, deviation: 8, least: -12, most: 60}});
 
+test('the last point makes the measurement; a path ends when the user says so', () => {
+  const angle = new Points('angle');
+  assert.equal(angle.take([1, 0, 0]), null);
+  assert.equal(angle.sentence, 'Click the second point.');
+  assert.equal(angle.take([0, 0, 0]), null);
+  assert.equal(angle.sentence, 'Click the third point.');
+  assert.equal(angle.take([0, 1, 0])?.value, 90);
+  assert.equal(angle.sentence, '');
+  angle.take([1, 0, 0]);
+  assert.equal(angle.end(), null, 'an angle that is not whole is forgotten');
+  assert.deepEqual(angle.list, []);
+  const path = new Points('path');
+  assert.equal(path.take([0, 0, 0]), null);
+  assert.equal(path.end(), null);
+  path.take([0, 0, 0]);
+  path.take([0, 3, 4]);
+  assert.equal(path.sentence, '5.0 mm so far.');
+  assert.deepEqual(path.end(), {kind: 'path', points_mm: [[0, 0, 0], [0, 3, 4]], value: 5});
+  assert.deepEqual(path.list, []);
+});
+
 test('measurements are told in words', () => {
   assert.equal(measureText({kind: 'distance', value: 12.345}), '12.3 mm');
   assert.equal(measureText({kind: 'path', value: 123.45}), '123 mm');
@@ -74,21 +95,30 @@ test('measurements are told in words', () => {
   assert.equal(measureText(REGION), '157 mm²');
   assert.equal(valuesText(REGION.values, 'HU'),
     'mean 41.23, deviation 8, -12 to 60 HU, 1,234 voxels');
+  assert.equal(measureText({kind: 'rectangle', value: 0.0432}), '0.043 mm²');
+  // Least and most are values that voxels have.
+  assert.equal(valuesText(valuesOf([12345, 30001, 32767]), ''),
+    'mean 25040, deviation 11080, 12345 to 32767, 3 voxels');
+  assert.equal(valuesText(valuesOf([7]), 'HU'), 'mean 7, 7 to 7 HU, 1 voxel');
 });
 
 test('files have every number in full', () => {
   const measures = new Measures();
   measures.add({kind: 'distance', points_mm: [[0, 0, 0], [0, 0, 12.5]], value: 12.5});
   measures.add(REGION);
-  const [head, first, second, end] = csvOf(measures.list, 'HU').split('\r\n');
-  assert.equal(head.split(',').length, 12);
-  assert.equal(first, '1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,');
-  assert.equal(second, '2,ellipse,157.08,mm2,0 0 5; 10 20 5,z 4,1234,41.23456,8,-12,60,HU');
+  const [head, first, second, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
+    .split('\r\n');
+  assert.equal(head.split(',').length, 14);
+  const name = '"a, ""b"""';
+  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,`);
+  assert.equal(second,
+    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU`);
   assert.equal(end, '');
   const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
   assert.equal(json.volume, 'a "scan"');
   assert.deepEqual(json.measurements.map(each => each.unit), ['mm', 'mm2']);
   assert.deepEqual(json.measurements[1].values, REGION.values);
+  assert.equal(json.measurements[1].voxel_index, 4);
 });
 
 test('sessions are restored, also those that had distances alone', () => {
@@ -106,8 +136,8 @@ test('sessions are restored, also those that had distances alone', () => {
 test('more measurements than the limit are refused, and none is lost', () => {
   const measures = new Measures();
   for (let k = 0; k < MOST_MEASURES; ++k) {
-    measures.add(REGION);
+    assert.equal(measures.add(REGION), '');
   }
-  assert.throws(() => measures.add(REGION), /100 measurements.*Delete/);
+  assert.match(measures.add(REGION), /100 measurements.*Delete/);
   assert.equal(measures.list[0].name, '1');
 });

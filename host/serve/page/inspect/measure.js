@@ -1,8 +1,8 @@
 // Panel: distances, angles and paths on surfaces, drawn over the picture; the list of all measures.
 import {h, s} from '../elements/dom.js';
+import {saveBlob} from '../elements/save_file.js';
+import {KIND_TITLES, Points, csvOf, jsonOf, measureText, valuesText} from '../panel/measures.js';
 import {choiceRow, intro, messageLine, modeButton, sentenceOf} from '../panel/panel_parts.js';
-import {KIND_TITLES, POINTS, angleOf, csvOf, jsonOf, lengthOf, measureText, valuesText}
-  from '../panel/measures.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../panel/measures.js').Measure} Measure */
@@ -15,7 +15,6 @@ const HINTS = {
   angle: 'Click three points on a surface: the second is the vertex. Press Esc to stop.',
   path: 'Click the points of a path on a surface. Enter ends it. Press Esc to stop.',
 };
-const NEXT = ['', 'Click the second point.', 'Click the third point.'];
 const LABEL_ABOVE = 8;
 
 class MeasurePanel {
@@ -27,9 +26,9 @@ class MeasurePanel {
     this.app = app;
     /** @type {LineKind} */
     this.kind = 'distance';
-    /** Points of the clicks so far. @type {Triple[]} */
-    this.points = [];
-    /** Ends after the clicks so far: each click waits for the point of the one before. */
+    /** Points of the clicks so far. */
+    this.points = new Points('distance');
+    /** Ends after all clicks so far: a measurement does not end before the points of its clicks. */
     this.clicked = Promise.resolve();
     this.identity = '';
     this.message = messageLine('measure-message');
@@ -44,24 +43,25 @@ class MeasurePanel {
     const {app} = this;
     this.button = modeButton(app, {name: MODE, title: 'Measure', hint: () => HINTS[this.kind],
       testid: 'measure-mode',
-      click: (x, y) => { this.clicked = this.clicked.then(() => this.click(x, y)); },
-      leave: () => this.finish()});
+      click: (x, y) => this.then(() => this.click(x, y)),
+      leave: () => this.then(() => this.finish())});
     const kinds = choiceRow('What to measure', [
       {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
       {name: 'angle', title: 'Angle', help: 'Three points: the second is the vertex'},
       {name: 'path', title: 'Path', help: 'Length of straight lines from point to point'},
-    ], kind => this.choose(/** @type {LineKind} */ (kind)));
+    ], kind => this.choose(kind));
     this.done = h('button', {type: 'button', hidden: true, 'data-testid': 'measure-done',
-      title: 'Ends the path (Enter)', onclick: () => this.finish()}, 'End path');
+      title: 'Ends the path (Enter)', onclick: () => this.then(() => this.finish())}, 'End path');
     const save = (/** @type {string} */ suffix, /** @type {() => string} */ text) =>
       h('button', {type: 'button', class: 'quiet', 'data-testid': `measure-${suffix}`,
         title: `Saves all measurements as ${suffix.toUpperCase()}`,
-        onclick: () => this.save(suffix, text())}, suffix.toUpperCase());
+        onclick: () => saveBlob(new Blob([text()]), `measurements.${suffix}`)},
+      suffix.toUpperCase());
+    const volume = () => app.store.state?.volume ?? {name: '', unit: ''};
     this.files = h('div', {class: 'tool-row', hidden: true},
       h('span', {class: 'legend'}, 'Save as'),
-      save('csv', () => csvOf(app.measures.list, app.store.state?.volume?.unit ?? '')),
-      save('json', () => jsonOf(app.measures.list, app.store.state?.volume ??
-        {name: '', unit: ''})));
+      save('csv', () => csvOf(app.measures.list, volume())),
+      save('json', () => jsonOf(app.measures.list, volume())));
     app.picture.overlay.append(this.drawing);
     root.append(intro('Distances, angles and paths on surfaces. Slices measure, too.'),
       h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done), this.list,
@@ -74,11 +74,11 @@ class MeasurePanel {
     // A headset measures, too.
     document.addEventListener('distance', event => {
       const {a_mm, b_mm, distance_mm} = /** @type {CustomEvent} */ (event).detail;
-      this.add('distance', [a_mm, b_mm], distance_mm);
+      this.add({kind: 'distance', points_mm: [a_mm, b_mm], value: distance_mm});
     });
     document.addEventListener('keydown', event => {
       if (event.key === 'Enter' && app.modes.current?.name === MODE && this.kind === 'path') {
-        this.finish();
+        this.then(() => this.finish());
       }
     });
     app.measures.watch(() => this.show());
@@ -92,15 +92,26 @@ class MeasurePanel {
   open(identity) {
     if (identity !== this.identity) {
       this.identity = identity;
-      this.points = [];
+      this.points = new Points(this.kind);
       this.app.measures.clear();
     }
   }
 
+  /**
+   * Acts after all clicks so far.
+   * @param {() => void | Promise<void>} act
+   */
+  then(act) {
+    this.clicked = this.clicked.then(act);
+  }
+
   /** @param {LineKind} kind */
   choose(kind) {
-    this.finish();
     this.kind = kind;
+    this.then(() => {
+      this.finish();
+      this.points = new Points(kind);
+    });
     const {modes} = this.app;
     if (modes.current?.name === MODE) {  // The hint is another one.
       modes.leave(MODE);
@@ -110,12 +121,7 @@ class MeasurePanel {
 
   /** Keeps a path of two or more points, and forgets others that are not whole. */
   finish() {
-    const points = this.points;
-    this.points = [];
-    if (this.kind === 'path' && points.length > 1) {
-      this.add('path', points, lengthOf(points));
-    }
-    this.tell();
+    this.add(this.points.end());
   }
 
   /**
@@ -123,72 +129,44 @@ class MeasurePanel {
    * @param {number} y
    */
   async click(x, y) {
-    const kind = this.kind;
-    if (kind === 'distance' && this.points.length === 1) {
-      const [first] = this.points;
-      this.points = [];
-      this.tell();
-      const reply = await this.app.connection.do(`measure ${first.join(',')} ${x} ${y}`,
-        {quiet: true});
-      if (reply.ok) {
-        const {a_mm, b_mm, distance_mm} = reply.result;
-        this.add('distance', [a_mm, b_mm], distance_mm);
-      } else {
-        this.message.fail(reply.error ?? '');
-      }
-      return;
-    }
+    const identity = this.identity;
     // The point of each click is kept: the pixel may show another one at the next click.
     const {ok, error = '', result} = await this.app.connection.do(`pick ${x} ${y}`, {quiet: true});
+    if (identity !== this.identity) {
+      return;  // The point belongs to a volume that was open before.
+    }
     if (!ok || !result?.hit) {
       this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
       return;
     }
-    if (kind !== this.kind) {
-      return;
+    try {
+      this.add(this.points.take(result.p_mm));
+    } catch (same) {
+      this.add(null, sentenceOf(same));
     }
-    this.points = [...this.points, result.p_mm];
-    if (kind === 'angle' && this.points.length === POINTS.angle) {
-      const points = this.points;
-      this.points = [];
-      try {
-        this.add('angle', points, angleOf(points));
-      } catch (error) {
-        this.tell();
-        this.message.fail(sentenceOf(error));
-        return;
-      }
-    }
-    this.tell();
   }
 
   /**
-   * @param {LineKind} kind
-   * @param {Triple[]} points_mm
-   * @param {number} value
+   * Adds a measurement if there is one, and says what is next, or what is wrong.
+   * @param {Omit<Measure, 'name'> | null} measure
+   * @param {string} [wrong]
    */
-  add(kind, points_mm, value) {
-    try {
-      this.app.measures.add({kind, points_mm, value});
-    } catch (error) {
-      this.message.fail(sentenceOf(error));
+  add(measure, wrong = '') {
+    const refusal = wrong || (measure ? this.app.measures.add(measure) : '');
+    const isPath = this.points.kind === 'path';
+    this.done?.toggleAttribute('hidden', !(isPath && this.points.list.length > 1));
+    if (refusal) {
+      this.message.fail(refusal);
+    } else {
+      this.message.say(this.points.sentence +
+        (isPath && this.points.list.length > 0 ? ' Click the next point, or press Enter.' : ''));
     }
-  }
-
-  /** What to do next, and the points so far. */
-  tell() {
-    const count = this.points.length;
-    const isPath = this.kind === 'path' && count > 0;
-    this.done?.toggleAttribute('hidden', !(isPath && count > 1));
-    const length = measureText({kind: 'path', value: lengthOf(this.points)});
-    this.message.say(isPath ? `${length} so far. Click the next point, or press Enter.`
-      : NEXT[count] ?? '');
     this.draw();
   }
 
   show() {
     const {measures, connection, store} = this.app;
-    const advice = connection.watches ? 'A view-only page cannot measure.'
+    const advice = connection.watches ? 'A view-only page measures in slices alone.'
       : 'Press Measure, then click points on a surface.';
     this.message.say(measures.list.length > 0 ? '' : advice);
     this.files?.toggleAttribute('hidden', measures.list.length === 0);
@@ -206,20 +184,9 @@ class MeasurePanel {
     this.draw();
   }
 
-  /**
-   * @param {string} suffix
-   * @param {string} text
-   */
-  save(suffix, text) {
-    const url = URL.createObjectURL(new Blob([text], {type: suffix === 'csv' ? 'text/csv'
-      : 'application/json'}));
-    h('a', {href: url, download: `measurements.${suffix}`}).click();
-    URL.revokeObjectURL(url);
-  }
-
   draw() {
     const lines = this.app.measures.list.filter(({slice}) => !slice);
-    if (lines.length === 0 && this.points.length === 0) {
+    if (lines.length === 0 && this.points.list.length === 0) {
       if (this.drawing.childElementCount > 0) {
         this.drawing.replaceChildren();
       }
@@ -239,8 +206,8 @@ class MeasurePanel {
       return places.every(({visible}) => visible)
         ? [line(places, `${measure.name}: ${measureText(measure)}`, measure.kind)] : [];
     });
-    const places = this.points.map(p_mm => eye.project(p_mm)).filter(({visible}) => visible);
-    return places.length > 0 ? [...marks, line(places, '', this.kind)] : marks;
+    const places = this.points.list.map(p_mm => eye.project(p_mm)).filter(({visible}) => visible);
+    return places.length > 0 ? [...marks, line(places, '', this.points.kind)] : marks;
   }
 }
 

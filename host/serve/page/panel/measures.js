@@ -4,8 +4,9 @@
 /** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle'} Kind */
 
 /**
- * Values of the voxels in a region.
- * @typedef {{voxels: number, mean: number, deviation: number, least: number, most: number}} Values
+ * Values of the voxels in a region. A single voxel has no deviation.
+ * @typedef {{voxels: number, mean: number, deviation: number | null, least: number, most: number}}
+ *   Values
  */
 
 /**
@@ -22,11 +23,64 @@
 export const MOST_MEASURES = 100;
 
 /** How many points end a measurement; a path ends when the user says so. */
-export const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2};
+const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2};
+const ORDINALS = ['first', 'second', 'third'];
 
 /** @type {Record<Kind, string>} */
 export const KIND_TITLES = {distance: 'Distance', angle: 'Angle', path: 'Path',
   ellipse: 'Ellipse', rectangle: 'Rectangle'};
+
+/**
+ * Whether values of voxels belong to this kind.
+ * @param {Kind} kind
+ * @returns {kind is 'ellipse' | 'rectangle'}
+ */
+export function isRegion(kind) {
+  return kind === 'ellipse' || kind === 'rectangle';
+}
+
+/** The points of a distance, an angle or a path that the user makes, one by one. */
+export class Points {
+  /** @param {Kind} kind */
+  constructor(kind) {
+    this.kind = kind;
+    /** @type {Triple[]} */
+    this.list = [];
+  }
+
+  /**
+   * Takes the next point. Returns the measurement if this was the last point.
+   * @param {Triple} p_mm
+   * @throws {Error} as angleOf()
+   */
+  take(p_mm) {
+    this.list = [...this.list, p_mm];
+    return this.list.length === POINTS[this.kind] ? this.whole_() : null;
+  }
+
+  /** Ends a path. Returns it if it has two points or more; other kinds are forgotten. */
+  end() {
+    if (this.kind === 'path' && this.list.length > 1) {
+      return this.whole_();
+    }
+    this.list = [];
+    return null;
+  }
+
+  /** @private */
+  whole_() {
+    const {kind, list: points_mm} = this;
+    this.list = [];
+    return {kind, points_mm, value: kind === 'angle' ? angleOf(points_mm) : lengthOf(points_mm)};
+  }
+
+  /** "Click the second point.", "12.3 mm so far."; empty without points. */
+  get sentence() {
+    return this.list.length === 0 ? ''
+      : this.kind === 'path' ? `${measureText({kind: 'path', value: lengthOf(this.list)})} so far.`
+        : `Click the ${ORDINALS[this.list.length]} point.`;
+  }
+}
 
 export class Measures {
   constructor() {
@@ -43,15 +97,15 @@ export class Measures {
   }
 
   /**
+   * Returns why the measurement is not kept; empty if it is.
    * @param {Omit<Measure, 'name'>} measure
-   * @throws {Error} if there are too many
    */
   add(measure) {
     if (this.list.length >= MOST_MEASURES) {
-      throw new Error(`There are ${MOST_MEASURES} measurements, which is the limit. ` +
-        'Delete one first.');
+      return `There are ${MOST_MEASURES} measurements, which is the limit. Delete one first.`;
     }
     this.set_([...this.list, {name: String(++this.count_), ...measure}]);
+    return '';
   }
 
   /** @param {Measure} measure */
@@ -121,19 +175,25 @@ export function valuesOf(values) {
   const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
   const squares = values.reduce((sum, value) => sum + (value - mean) ** 2, 0);
   return {voxels: values.length, mean,
-    deviation: Math.sqrt(squares / Math.max(1, values.length - 1)),
+    deviation: values.length > 1 ? Math.sqrt(squares / (values.length - 1)) : null,
     least: values.reduce((a, b) => Math.min(a, b)), most: values.reduce((a, b) => Math.max(a, b))};
 }
 
-/** @param {Kind} kind */
-export function unitOf(kind) {
-  return kind === 'angle' ? '°' : kind === 'distance' || kind === 'path' ? 'mm' : 'mm²';
+/**
+ * Units as files have them.
+ * @param {Kind} kind
+ */
+function unitOf(kind) {
+  return kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
 }
 
 /** @param {Pick<Measure, 'kind' | 'value'>} measure */
 export function measureText({kind, value}) {
-  const digits = value.toFixed(value < 100 || kind === 'angle' ? 1 : 0);
-  return kind === 'angle' ? `${digits}°` : `${digits} ${unitOf(kind)}`;
+  if (kind === 'angle') {
+    return `${value.toFixed(1)}°`;
+  }
+  const digits = value < 1 ? Number(value.toPrecision(2)) : value.toFixed(value < 100 ? 1 : 0);
+  return `${digits} ${isRegion(kind) ? 'mm²' : 'mm'}`;
 }
 
 /**
@@ -142,26 +202,29 @@ export function measureText({kind, value}) {
  * @param {string} unit
  */
 export function valuesText({voxels, mean, deviation, least, most}, unit) {
-  const [m, d, a, b] = [mean, deviation, least, most].map(each => Number(each.toPrecision(4)));
-  return `mean ${m}, deviation ${d}, ${a} to ${b}${unit ? ` ${unit}` : ''}, ` +
-    `${voxels.toLocaleString('en')} ${voxels === 1 ? 'voxel' : 'voxels'}`;
+  const digits = (/** @type {number} */ value, /** @type {number} */ count) =>
+    Number(value.toPrecision(count));
+  const spread = deviation === null ? '' : `, deviation ${digits(deviation, 4)}`;
+  const count = `${voxels.toLocaleString('en')} ${voxels === 1 ? 'voxel' : 'voxels'}`;
+  return `mean ${digits(mean, 4)}${spread}, ${digits(least, 6)} to ${digits(most, 6)}` +
+    `${unit ? ` ${unit}` : ''}, ${count}`;
 }
 
-const COLUMNS = ['name', 'kind', 'value', 'unit', 'points_mm_LPS', 'slice', 'voxels', 'mean',
-  'standard_deviation', 'minimum', 'maximum', 'value_unit'];
+const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
+  'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit'];
 
 /**
- * One line per measurement, for spreadsheets.
+ * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
  * @param {Measure[]} measures
- * @param {string} unit     Of the volume's values.
+ * @param {{name: string, unit: string}} volume
  */
-export function csvOf(measures, unit) {
-  const lines = measures.map(({name, kind, value, points_mm, slice, values}) => [name, kind, value,
-    kind === 'angle' ? 'degrees' : kind === 'distance' || kind === 'path' ? 'mm' : 'mm2',
-    points_mm.map(p => p.join(' ')).join('; '), slice ? `${slice.axis} ${slice.index}` : '',
-    ...values ? [values.voxels, values.mean, values.deviation, values.least, values.most, unit]
-      : ['', '', '', '', '', '']]);
-  const cell = (/** @type {unknown} */ each) => /[",\n]/.test(String(each))
+export function csvOf(measures, volume) {
+  const lines = measures.map(({name, kind, value, points_mm, slice, values}) => [volume.name, name,
+    kind, value, unitOf(kind), points_mm.map(p => p.join(' ')).join('; '),
+    ...slice ? [slice.axis, slice.index] : ['', ''],
+    ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
+      volume.unit] : ['', '', '', '', '', '']]);
+  const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');
 }
@@ -172,7 +235,7 @@ export function csvOf(measures, unit) {
  * @param {{name: string, unit: string}} volume
  */
 export function jsonOf(measures, {name, unit}) {
-  return `${JSON.stringify({volume: name, value_unit: unit, measurements: measures.map(each => ({
-    ...each, unit: each.kind === 'angle' ? 'degrees' : unitOf(each.kind).replace('²', '2'),
-  }))}, null, 2)}\n`;
+  return `${JSON.stringify({volume: name, value_unit: unit, positions: 'mm, LPS',
+    measurements: measures.map(({slice, ...measure}) => ({...measure, unit: unitOf(measure.kind),
+      ...slice && {voxel_axis: slice.axis, voxel_index: slice.index}}))}, null, 2)}\n`;
 }

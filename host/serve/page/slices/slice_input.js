@@ -1,20 +1,33 @@
 // Pointer, wheel, fingers and keys on a slice.
+import {ZOOM_STEP} from './slice_zoom.js';
 
 /** @typedef {import('./slice_view.js').SliceView} SliceView */
 /** @typedef {import('./slice_view.js').Events} Events */
+/** @typedef {import('./slice_view.js').Under} Under */
 /** @typedef {'point' | 'move' | 'measure' | 'window' | 'tissue'} Tool */
+/** @typedef {[number, number]} Place  CSS pixels of the view. */
 
 const TOUCHPAD_STEP = 40;   // deltaY per slice of a touchpad, which sends many small steps.
 const LEAST_NOTCH = 50;     // A larger deltaY comes from a mouse wheel.
 const NOTCH = 120;          // deltaY of one notch; browsers add up the notches of a fast turn.
+const PINCH = 0.009;        // Zoom by deltaY of two fingers on a touchpad, as in the picture.
 const MIDDLE = 1, RIGHT = 2;  // Buttons of a mouse.
 const PAGE = 5;             // Slices per Page Up or Page Down.
-const ZOOM_STEP = 1.25;     // Of one key, or one notch with Ctrl.
+const TAP_PX = 6;           // A finger that moves less taps.
 
 const STEPS = new Map([['PageUp', PAGE], ['PageDown', -PAGE], [']', 1], ['[', -1]]);
 const MOVES = new Map([['ArrowLeft', [-1, 0]], ['ArrowRight', [1, 0]], ['ArrowUp', [0, -1]],
   ['ArrowDown', [0, 1]]]);
 const ZOOMS = new Map([['+', ZOOM_STEP], ['=', ZOOM_STEP], ['-', 1 / ZOOM_STEP], ['0', 0]]);
+
+/**
+ * A pressed button or finger.
+ * @typedef {object} Drag
+ * @property {Tool} tool
+ * @property {Place} last
+ * @property {Under | null} from    What was under it at first.
+ * @property {boolean} isUsed       False of a finger that may become one of two.
+ */
 
 export class SliceInput {
   /**
@@ -26,10 +39,10 @@ export class SliceInput {
     /** @private */ this.events_ = events;
     /** @type {Tool} */ this.tool = 'point';
     /** @private */ this.wheel_ = 0;
-    /** @private @type {{x: number, y: number, tool: Tool} | null} */ this.drag_ = null;
+    /** @private @type {Drag | null} */ this.drag_ = null;
     /** The last move of a pointer that is still here. @private @type {MouseEvent | null} */
     this.pointer_ = null;
-    /** @private Pressed fingers and buttons. @type {Map<number, [number, number]>} */
+    /** Pressed fingers and buttons. @private @type {Map<number, Place>} */
     this.fingers_ = new Map();
     this.listen_();
   }
@@ -51,19 +64,12 @@ export class SliceInput {
   /** @private */
   listen_() {
     const {canvas} = this.view_;
-    const release = (/** @type {PointerEvent} */ event) => {
-      const measures = this.drag_?.tool === 'measure';
-      this.fingers_.delete(event.pointerId);
-      this.drag_ = null;
-      if (measures) {
-        const isEnd = event.type === 'pointerup';
-        this.events_.measure(isEnd ? 'release' : 'cancel', this.view_.under(event)?.voxel ?? null);
-      }
-    };
     canvas.addEventListener('pointerdown', event => this.press_(event));
     canvas.addEventListener('pointermove', event => this.move_(event));
-    canvas.addEventListener('pointerup', release);
-    canvas.addEventListener('pointercancel', release);
+    canvas.addEventListener('pointerup', event => this.release_(event));
+    canvas.addEventListener('pointercancel', event => this.lose_(event.pointerId));
+    // Also if the canvas is moved or hidden under a finger.
+    canvas.addEventListener('lostpointercapture', event => this.lose_(event.pointerId));
     canvas.addEventListener('mousedown', event => {
       if (event.button === MIDDLE) {
         event.preventDefault();  // Else the browser scrolls the page.
@@ -92,22 +98,34 @@ export class SliceInput {
     this.view_.canvas.setPointerCapture(event.pointerId);
     this.fingers_.set(event.pointerId, this.view_.inView(event));
     if (this.fingers_.size > 1) {
-      if (this.drag_?.tool === 'measure') {
-        this.events_.measure('cancel', null);
-      }
-      this.drag_ = null;  // Two fingers move and zoom.
+      this.drop_();  // Two fingers move and zoom.
       return;
     }
     const tool = event.button === MIDDLE ? 'move'
       : event.button === RIGHT || event.shiftKey ? 'window' : this.tool;
-    this.drag_ = {x: event.clientX, y: event.clientY, tool};
-    const under = this.view_.under(event);
-    if (under && tool === 'point') {
-      this.events_.point(under.voxel);
-    } else if (under && tool === 'measure') {
-      this.events_.measure('press', under.voxel);
-    } else if (under && tool === 'tissue') {
-      this.events_.tissue(under.value);
+    this.drag_ = {tool, last: this.view_.inView(event), from: this.view_.under(event),
+      isUsed: false};
+    if (event.pointerType !== 'touch') {
+      this.use_(this.drag_);
+    }
+  }
+
+  /**
+   * The effect of a press. A finger has it when it moves or is lifted, because a second may come.
+   * @private
+   * @param {Drag} drag
+   */
+  use_(drag) {
+    if (drag.isUsed) {
+      return;
+    }
+    drag.isUsed = true;
+    if (drag.from && drag.tool === 'point') {
+      this.events_.point(drag.from.voxel);
+    } else if (drag.from && drag.tool === 'measure') {
+      this.events_.measure('press', drag.from.voxel);
+    } else if (drag.from && drag.tool === 'tissue') {
+      this.events_.tissue(drag.from.value);
     }
   }
 
@@ -118,42 +136,78 @@ export class SliceInput {
   move_(event) {
     this.pointer_ = event;
     const under = this.hover();
+    const before = [...this.fingers_.values()], place = this.view_.inView(event);
+    if (this.fingers_.has(event.pointerId)) {
+      this.fingers_.set(event.pointerId, place);
+    }
     if (this.fingers_.size === 2 && this.fingers_.has(event.pointerId)) {
-      this.pinch_(event);
+      this.pinch_(before, [...this.fingers_.values()]);
       return;
     }
     const drag = this.drag_;
-    if (drag?.tool === 'window' || drag?.tool === 'move') {
-      const across = event.clientX - drag.x, down = event.clientY - drag.y;
-      this.drag_ = {x: event.clientX, y: event.clientY, tool: drag.tool};
-      if (drag.tool === 'window') {
-        this.events_.window(across, down);
-      } else {
-        this.view_.moveBy(across, down);
-      }
-    } else if (drag?.tool === 'point' && under) {
-      this.events_.point(under.voxel);
-    } else if (drag?.tool === 'measure' && under) {
-      this.events_.measure('move', under.voxel);
+    const across = place[0] - (drag?.last[0] ?? 0), down = place[1] - (drag?.last[1] ?? 0);
+    if (!drag || !drag.isUsed && Math.hypot(across, down) < TAP_PX) {
+      return;
     }
+    this.use_(drag);
+    drag.last = place;
+    if (drag.tool === 'window') {
+      this.events_.window(across, down);
+    } else if (drag.tool === 'move') {
+      this.view_.moveBy(across, down);
+    } else if (drag.tool === 'point' && under) {
+      this.events_.point(under.voxel);
+    } else if (drag.tool === 'measure') {
+      this.events_.measure('move', this.view_.nearest(event));
+    }
+  }
+
+  /**
+   * @private
+   * @param {PointerEvent} event
+   */
+  release_(event) {
+    const drag = this.drag_;
+    this.drag_ = null;
+    this.fingers_.delete(event.pointerId);
+    if (drag) {
+      this.use_(drag);
+      if (drag.tool === 'measure') {
+        this.events_.measure('release', this.view_.nearest(event));
+      }
+    }
+  }
+
+  /**
+   * @private
+   * @param {number} finger
+   */
+  lose_(finger) {
+    if (this.fingers_.delete(finger)) {
+      this.drop_();
+    }
+  }
+
+  /** @private */
+  drop_() {
+    if (this.drag_?.tool === 'measure') {
+      this.events_.measure('cancel', null);
+    }
+    this.drag_ = null;
   }
 
   /**
    * The place between two fingers moves with them, and the zoom is in proportion to their distance.
    * @private
-   * @param {PointerEvent} event
+   * @param {Place[]} before
+   * @param {Place[]} now
    */
-  pinch_(event) {
-    const spread = () => {
-      const [[x0, y0], [x1, y1]] = [...this.fingers_.values()];
-      return {distance: Math.max(Math.hypot(x1 - x0, y1 - y0), 1),
-        middle: /** @type {[number, number]} */ ([(x0 + x1) / 2, (y0 + y1) / 2])};
-    };
-    const before = spread();
-    this.fingers_.set(event.pointerId, this.view_.inView(event));
-    const now = spread();
-    this.view_.moveBy(now.middle[0] - before.middle[0], now.middle[1] - before.middle[1]);
-    this.events_.zoom(now.distance / before.distance, now.middle);
+  pinch_(before, now) {
+    const spread = (/** @type {Place[]} */ [[x0, y0], [x1, y1]]) => ({
+      distance: Math.max(Math.hypot(x1 - x0, y1 - y0), 1), x: (x0 + x1) / 2, y: (y0 + y1) / 2});
+    const was = spread(before), is = spread(now);
+    this.view_.moveBy(is.x - was.x, is.y - was.y);
+    this.events_.zoom(is.distance / was.distance, [is.x, is.y]);
   }
 
   /**
@@ -162,22 +216,22 @@ export class SliceInput {
    */
   turn_(event) {
     event.preventDefault();
-    if (event.ctrlKey || event.metaKey) {  // Also two fingers on a touchpad.
-      this.events_.zoom(ZOOM_STEP ** (-event.deltaY / NOTCH), this.view_.inView(event));
-      return;
-    }
     const isPixels = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL;
-    if (!isPixels || Math.abs(event.deltaY) >= LEAST_NOTCH) {
-      const notches = isPixels ? Math.max(1, Math.round(Math.abs(event.deltaY) / NOTCH)) : 1;
+    const isNotch = !isPixels || Math.abs(event.deltaY) >= LEAST_NOTCH;
+    const notches = isPixels ? Math.max(1, Math.round(Math.abs(event.deltaY) / NOTCH)) : 1;
+    if (event.ctrlKey || event.metaKey) {  // Also two fingers on a touchpad, in small steps.
+      this.events_.zoom(isNotch ? ZOOM_STEP ** (-Math.sign(event.deltaY) * notches)
+        : Math.exp(-event.deltaY * PINCH), this.view_.inView(event));
+    } else if (isNotch) {
       this.wheel_ = 0;
       this.events_.step(Math.sign(event.deltaY) * notches);
-      return;
-    }
-    this.wheel_ += event.deltaY;
-    const steps = Math.trunc(this.wheel_ / TOUCHPAD_STEP);
-    if (steps !== 0) {
-      this.wheel_ -= steps * TOUCHPAD_STEP;
-      this.events_.step(steps);
+    } else {
+      this.wheel_ += event.deltaY;
+      const steps = Math.trunc(this.wheel_ / TOUCHPAD_STEP);
+      if (steps !== 0) {
+        this.wheel_ -= steps * TOUCHPAD_STEP;
+        this.events_.step(steps);
+      }
     }
   }
 
@@ -186,14 +240,22 @@ export class SliceInput {
    * @param {KeyboardEvent} event
    */
   key_(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) {
+      return;
+    }
     const step = STEPS.get(event.key), move = MOVES.get(event.key), zoom = ZOOMS.get(event.key);
     const next = move && this.view_.besideCrosshair(move[0], move[1]);
+    const measures = this.tool === 'measure';
     if (step !== undefined) {
       this.events_.step(step);
-    } else if (zoom !== undefined && !event.ctrlKey && !event.metaKey) {
+    } else if (zoom !== undefined) {
       this.events_.zoom(zoom, null);
     } else if (next) {
       this.events_.point(next);
+    } else if (measures && event.key === 'Enter') {
+      this.events_.measure('press', this.view_.besideCrosshair(0, 0));
+    } else if (measures && event.key === 'Escape') {
+      this.events_.measure('end', null);
     } else {
       return;
     }

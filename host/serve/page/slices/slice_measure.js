@@ -1,11 +1,12 @@
 // Measuring on slices: distances, angles and paths from point to point, regions by dragging.
 import {h} from '../elements/dom.js';
-import {sentenceOf} from '../panel/panel_parts.js';
-import {KIND_TITLES, POINTS, angleOf, lengthOf, measureText, valuesOf, valuesText}
+import {KIND_TITLES, Points, isRegion, measureText, valuesOf, valuesText}
   from '../panel/measures.js';
+import {sentenceOf} from '../panel/panel_parts.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_view.js').Phase} Phase */
 /** @typedef {import('./slice_view.js').SliceView} SliceView */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 /** @typedef {import('../panel/measures.js').Kind} Kind */
@@ -19,11 +20,6 @@ import {toPatient, toVoxel} from './patient_grid.js';
  * @property {{axis: 'x' | 'y' | 'z', index: number}} [slice]  The only slice that shows it.
  */
 
-const NEXT = ['', 'Click the second point, in any slice.', 'Click the third point, in any slice.'];
-
-/** @param {Kind} kind */
-const isRegion = kind => kind === 'ellipse' || kind === 'rectangle';
-
 export class SliceMeasure {
   /**
    * @param {import('../panel/app.js').App} app
@@ -34,62 +30,64 @@ export class SliceMeasure {
     /** @private */ this.app_ = app;
     /** @private */ this.message_ = message;
     /** @private */ this.changed_ = changed;
-    /** Places of the clicks so far, mm. @private @type {Vector[]} */ this.points_ = [];
-    /** Whether the points are those of a path. @private */ this.isPath_ = false;
+    /** @private */ this.points_ = new Points('distance');
     /** The region that is being drawn. @private @type {Mark | null} */ this.region_ = null;
     this.kind = h('select', {'aria-label': 'What to measure', hidden: true,
-      'data-testid': 'slices-kind', onchange: () => {
-        this.finish();
-        this.done.hidden = this.kind_() !== 'path';
-        this.message_.say(isRegion(this.kind_()) ? 'Drag from corner to corner.'
-          : 'Click the first point.');
-      }},
+      'data-testid': 'slices-kind', onchange: () => this.choose_()},
     ...Object.entries(KIND_TITLES).map(([value, title]) => h('option', {value}, title)));
     this.done = h('button', {type: 'button', disabled: true, hidden: true,
       'data-testid': 'slices-path-done', onclick: () => this.finish()}, 'End path');
   }
 
   /** @private */
-  kind_() {
-    return /** @type {Kind} */ (this.kind.value);
+  choose_() {
+    const refusal = this.finish();
+    const kind = /** @type {Kind} */ (this.kind.value);
+    this.points_ = new Points(kind);
+    this.done.hidden = kind !== 'path';
+    if (!refusal) {
+      this.message_.say(isRegion(kind) ? 'Drag from corner to corner.' : 'Click the first point.');
+    }
   }
 
   /** @param {boolean} isOn  Whether the tool is chosen. */
   show(isOn) {
     this.kind.hidden = !isOn;
-    this.done.hidden = !isOn || this.kind_() !== 'path';
+    this.done.hidden = !isOn || this.kind.value !== 'path';
     this.finish();
   }
 
   /** Forgets the points so far. */
   forget() {
-    this.points_ = [];
+    this.points_ = new Points(this.points_.kind);
     this.region_ = null;
     this.done.disabled = true;
     this.changed_();
   }
 
-  /** Keeps a path of two or more points, and forgets others that are not whole. */
+  /**
+   * Keeps a path of two or more points, and forgets others that are not whole. Returns why the path
+   * is not kept; empty if it is.
+   */
   finish() {
-    const points = this.points_;
+    const path = this.points_.end();
     this.forget();
-    if (this.isPath_ && points.length > 1) {
-      this.add_({kind: 'path', points_mm: points, value: lengthOf(points)});
-    }
+    return path ? this.add_(path) : '';
   }
 
   /**
-   * @param {import('./slice_view.js').Phase} phase
-   * @param {Vector | null} voxel     Not rounded; null outside of the slice.
+   * @param {Phase} phase
+   * @param {Vector | null} voxel     Not rounded; null if the phase has no place.
    * @param {SliceView} view
    * @param {VolumeState} volume
    */
   take(phase, voxel, view, volume) {
-    const kind = this.kind_();
-    if (isRegion(kind)) {
-      this.drag_(phase, kind, voxel, view, volume);
+    if (phase === 'end') {
+      this.finish();
+    } else if (isRegion(this.points_.kind)) {
+      this.drag_(phase, voxel, view, volume);
     } else if (phase === 'press' && voxel) {
-      void this.click_(kind, toPatient(volume, voxel));
+      this.click_(toPatient(volume, voxel));
     }
   }
 
@@ -103,54 +101,44 @@ export class SliceMeasure {
     const marks = this.app_.measures.list.map(measure => ({kind: measure.kind,
       voxels: voxels(measure.points_mm), slice: measure.slice,
       text: `${measure.name}: ${measureText(measure)}`}));
-    return [...marks, ...this.region_ ? [this.region_] : [], ...this.points_.length > 0
-      ? [{kind: this.kind_(), voxels: voxels(this.points_), text: ''}] : []];
+    const {kind, list} = this.points_;
+    return [...marks, ...this.region_ ? [this.region_] : [],
+      ...list.length > 0 ? [{kind, voxels: voxels(list), text: ''}] : []];
   }
 
   /**
    * @private
-   * @param {Kind} kind
    * @param {Vector} p_mm
    */
-  async click_(kind, p_mm) {
-    const points = [...this.points_, p_mm];
-    const isWhole = points.length === POINTS[kind];
-    this.points_ = isWhole ? [] : points;
-    this.isPath_ = kind === 'path';
-    this.done.disabled = points.length < 2;
-    this.message_.say(kind === 'path' ? `${measureText({kind, value: lengthOf(points)})} so far.`
-      : isWhole ? '' : NEXT[points.length]);
-    this.changed_();
-    if (isWhole && kind === 'angle') {
-      try {
-        this.add_({kind, points_mm: points, value: angleOf(points)});
-      } catch (error) {
-        this.message_.fail(sentenceOf(error));
-      }
-    } else if (isWhole) {
-      const {ok, error = '', result} = await this.app_.connection.do(
-        `measure ${points[0].join(',')} ${p_mm.join(',')}`, {quiet: true});
-      if (ok) {
-        this.add_({kind: 'distance', points_mm: [result.a_mm, result.b_mm],
-          value: result.distance_mm});
+  click_(p_mm) {
+    try {
+      const whole = this.points_.take(p_mm);
+      if (whole) {
+        this.add_(whole);
       } else {
-        this.message_.fail(error);
+        this.message_.say(this.points_.sentence);
       }
+    } catch (same) {
+      this.message_.fail(sentenceOf(same));
     }
+    this.done.disabled = this.points_.list.length < 2;
+    this.changed_();
   }
 
   /**
    * @private
-   * @param {import('./slice_view.js').Phase} phase
-   * @param {Kind} kind
-   * @param {Vector | null} voxel     Outside of the slice, the last one counts.
+   * @param {Phase} phase
+   * @param {Vector | null} voxel
    * @param {SliceView} view
    * @param {VolumeState} volume
    */
-  drag_(phase, kind, voxel, view, volume) {
+  drag_(phase, voxel, view, volume) {
     const slice = view.shown;
-    if (phase === 'press') {
-      this.region_ = slice && voxel && {kind, voxels: [voxel, voxel], slice, text: ''};
+    // A second press, of the key Enter, is the other corner.
+    const isEnd = phase === 'release' || phase === 'press' && this.region_ !== null;
+    if (phase === 'press' && !isEnd) {
+      this.region_ = slice && voxel &&
+        {kind: this.points_.kind, voxels: [voxel, voxel], slice, text: ''};
     }
     const region = this.region_;
     const isSame = region?.slice?.axis === slice?.axis && region?.slice?.index === slice?.index;
@@ -158,7 +146,7 @@ export class SliceMeasure {
       this.region_ = null;
     } else {
       region.voxels = [region.voxels[0], voxel ?? region.voxels[1]];
-      if (phase === 'release') {
+      if (isEnd) {
         this.region_ = null;
         this.keep_(region, view, volume);
       }
@@ -172,14 +160,13 @@ export class SliceMeasure {
    * @param {SliceView} view
    * @param {VolumeState} volume
    */
-  keep_({kind, voxels, slice}, view, volume) {
-    const [a, b] = voxels;
+  keep_({kind, voxels: [a, b], slice}, view, volume) {
     try {
       const {values, area_mm2} = view.valuesIn(kind, a, b);
       this.add_({kind, points_mm: [toPatient(volume, a), toPatient(volume, b)], value: area_mm2,
         slice, values: valuesOf(values)});
-    } catch (error) {
-      this.message_.fail(sentenceOf(error));
+    } catch (empty) {
+      this.message_.fail(sentenceOf(empty));
     }
   }
 
@@ -188,15 +175,15 @@ export class SliceMeasure {
    * @param {Omit<Measure, 'name'>} measure
    */
   add_(measure) {
-    try {
-      this.app_.measures.add(measure);
-    } catch (error) {
-      this.message_.fail(sentenceOf(error));
-      return;
+    const refusal = this.app_.measures.add(measure);
+    if (refusal) {
+      this.message_.fail(refusal);
+      return refusal;
     }
     const unit = this.app_.store.state?.volume?.unit ?? '';
     this.message_.say(measure.values
       ? `${measureText(measure)}: ${valuesText(measure.values, unit)}.`
       : `${measureText(measure)}. The tab Measure lists all measurements.`);
+    return '';
   }
 }

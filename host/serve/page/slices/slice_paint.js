@@ -1,5 +1,6 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
 import {styleColor} from '../elements/canvas.js';
+import {isRegion} from '../panel/measures.js';
 import {boxAt, pixelAt} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
@@ -27,9 +28,11 @@ const EDGE_COLOR = '#000c';
 const HALF_A_SLICE = 0.5;
 const END_RADIUS = 2.5;     // Of the points of a measurement, CSS pixels.
 const LABEL_ABOVE = 5;
+const LABEL_HEIGHT = 12;
 
 /**
- * Paints evenly spaced rows at once, uneven rows one by one with their heights.
+ * Paints evenly spaced pixels at once, uneven rows or columns one by one with their widths. At most
+ * one side is uneven: only the slices of a scan are.
  * @param {Paper} paper
  * @param {HTMLCanvasElement} image
  * @param {boolean} smooth      Interpolates between pixels.
@@ -39,6 +42,13 @@ export function paintImage({context, slice, place}, image, smooth) {
   context.imageSmoothingQuality = 'high';
   if (!slice.places_mm?.[0] && !slice.places_mm?.[1]) {
     context.drawImage(image, place.left, place.top, place.width, place.height);
+    return;
+  }
+  if (slice.places_mm[0]) {
+    for (let x = 0; x < slice.width; ++x) {
+      const left = boxAt(slice, place, x - 0.5, 0)[0], end = boxAt(slice, place, x + 0.5, 0)[0];
+      context.drawImage(image, x, 0, 1, slice.height, left, place.top, end - left, place.height);
+    }
     return;
   }
   for (let y = 0; y < slice.height; ++y) {
@@ -121,12 +131,13 @@ export function paintMarks({canvas, context, slice, place, unit}, size, marks) {
       context.lineWidth = width * unit;
       context.stroke(path);
     }
-    const [x, y] = labelPlace(kind, places);
+    const [x, at] = labelPlace(kind, places);
+    const y = Math.max(at - LABEL_ABOVE * unit, LABEL_HEIGHT * unit);
     context.strokeStyle = EDGE_COLOR;
     context.lineWidth = 3 * unit;
     context.fillStyle = '#fff';
-    context.strokeText(text, x, y - LABEL_ABOVE * unit);
-    context.fillText(text, x, y - LABEL_ABOVE * unit);
+    context.strokeText(text, x, y);
+    context.fillText(text, x, y);
   }
 }
 
@@ -161,8 +172,7 @@ function pathOf(kind, places) {
 function labelPlace(kind, places) {
   const half = kind === 'angle' ? 1 : (places.length - 1) / 2;
   const a = places[Math.floor(half)] ?? places[0], b = places[Math.ceil(half)] ?? places[0];
-  const isRegion = kind === 'ellipse' || kind === 'rectangle';
-  return [(a[0] + b[0]) / 2, isRegion ? Math.min(a[1], b[1]) : (a[1] + b[1]) / 2];
+  return [(a[0] + b[0]) / 2, isRegion(kind) ? Math.min(a[1], b[1]) : (a[1] + b[1]) / 2];
 }
 
 /**

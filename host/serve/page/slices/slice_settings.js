@@ -1,12 +1,11 @@
 // How slices look: zoom, interpolation, contours, colors.
 import {h} from '../elements/dom.js';
-import {MOST_TIMES} from './slice_zoom.js';
+import {MOST_TIMES, ZOOM_STEP} from './slice_zoom.js';
 import {COLOR_MAPS} from './windows.js';
 
 /** @typedef {import('./slice_view.js').Look} Look */
 
 const LINES = {thick: 'thick', thin: 'thin', off: 'none'};
-const ZOOM_STEP = 1.25;
 
 /**
  * @param {string} label
@@ -39,9 +38,9 @@ export class SliceSettings {
     /** @private */
     this.times_ = h('output', {class: 'slice-count', 'data-testid': 'slice-times'});
     /** @private */
-    this.smaller_ = this.button_('−', 'Smaller', 'slice-smaller', () => zoom(1 / ZOOM_STEP));
+    this.smaller_ = this.button_('−', 'Zoom out', 'slice-smaller', () => zoom(1 / ZOOM_STEP));
     /** @private */
-    this.larger_ = this.button_('+', 'Larger', 'slice-larger', () => zoom(ZOOM_STEP));
+    this.larger_ = this.button_('+', 'Zoom in', 'slice-larger', () => zoom(ZOOM_STEP));
     this.element = h('details', {class: 'slice-settings', 'data-testid': 'slice-settings'},
       h('summary', {}, 'Zoom, contours, colors, windows'),
       h('div', {class: 'tool-row'}, h('span', {class: 'number-field'}, 'Zoom', this.smaller_,

@@ -1,6 +1,7 @@
 // One slice on a canvas; pointer and keys.
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
+import {isRegion} from '../panel/measures.js';
 import {SliceInput} from './slice_input.js';
 import {paintContours, paintCrosshair, paintImage, paintLetters, paintMarks}
   from './slice_paint.js';
@@ -35,7 +36,8 @@ import {paintValues} from './windows.js';
  *     place of this view, in CSS pixels, or the crosshair; 0: the whole slice.
  */
 
-/** @typedef {'press' | 'move' | 'release' | 'cancel'} Phase */
+/** @typedef {'press' | 'move' | 'release' | 'cancel' | 'end'} Phase  'end': of a path. */
+/** @typedef {{voxel: Vector, value: number}} Under  The voxel is not rounded. */
 
 /** @type {Look} */
 const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
@@ -50,6 +52,7 @@ export class SliceView {
     /** @private @type {Slice | null} */ this.slice_ = null;
     /** @private @type {Vector} */ this.size_ = [1, 1, 1];
     /** @private @type {Vector | null} */ this.crosshair_ = null;
+    /** @private Its pixel of the slice. */ this.crosshairPixel_ = '';
     /** @private @type {Zoom} */ this.zoom_ = WHOLE;
     /** @private */ this.look_ = USUAL;
     /** @private @type {import('./slice_measure.js').Mark[]} */ this.marks_ = [];
@@ -120,7 +123,11 @@ export class SliceView {
   /** @param {Vector | null} voxel  A zoomed view moves to show this voxel. */
   setCrosshair(voxel) {
     this.crosshair_ = voxel;
-    if (voxel && this.slice_ && !this.input_.drags) {
+    const pixel = voxel && this.slice_ ? pixelAt(this.slice_, this.size_, voxel).join() : '';
+    // The user may have moved the slice away from it.
+    const isElsewhere = pixel !== this.crosshairPixel_;
+    this.crosshairPixel_ = pixel;
+    if (voxel && this.slice_ && isElsewhere && !this.input_.drags) {
       const {shown, shareOf} = this.placed_(this.slice_);
       const place = shareOf(this.voxelPlace_(this.slice_, voxel));
       const [across, down] = this.zoom_.center;
@@ -168,7 +175,7 @@ export class SliceView {
    */
   valuesIn(kind, a, b) {
     const slice = this.slice_;
-    return slice && (kind === 'ellipse' || kind === 'rectangle')
+    return slice && isRegion(kind)
       ? valuesIn(slice, kind, pixelAt(slice, this.size_, a), pixelAt(slice, this.size_, b))
       : {values: [], area_mm2: 0};
   }
@@ -267,7 +274,7 @@ export class SliceView {
   /**
    * The voxel under the pointer, and its value; null outside of the slice.
    * @param {MouseEvent} event
-   * @returns {{voxel: Vector, value: number} | null}
+   * @returns {Under | null}
    */
   under(event) {
     const slice = this.slice_;
@@ -282,6 +289,22 @@ export class SliceView {
     }
     const value = slice.values[row * slice.width + column];
     return {voxel: voxelAt(slice, this.size_, x, y), value};
+  }
+
+  /**
+   * The place of the slice that is nearest to the pointer, as a voxel; null without a slice.
+   * @param {MouseEvent} event
+   * @returns {Vector | null}
+   */
+  nearest(event) {
+    const slice = this.slice_;
+    if (!slice) {
+      return null;
+    }
+    const [x, y] = sliceAtBox(slice, this.placed_(slice).place, ...this.inView(event));
+    const within = (/** @type {number} */ at, /** @type {number} */ count) =>
+      Math.min(Math.max(at, -0.5), count - 0.5);
+    return voxelAt(slice, this.size_, within(x, slice.width), within(y, slice.height));
   }
 
   /**

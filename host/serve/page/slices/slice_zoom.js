@@ -10,6 +10,7 @@
 /** @type {Zoom} */
 export const WHOLE = {times: 1, center: [0.5, 0.5]};
 export const MOST_TIMES = 32;
+export const ZOOM_STEP = 1.25;     // Of one key, one button, or one notch of a wheel.
 const MARGIN = 0.08;  // revealed() keeps this share of the view free beside a place.
 
 /** @param {number} times */

@@ -34,6 +34,8 @@ class SlicesPanel {
     this.root = root;
     /** @type {VolumeState | null} */
     this.volume = null;
+    /** Surfaces whose contours are incomplete, by plane. @type {string[][]} */
+    this.leftOut = PLANES.map(() => []);
     /** Zoom of all slices. */
     this.times = 1;
     /** @type {Vector} */
@@ -122,7 +124,7 @@ class SlicesPanel {
           view.setCrosshair(this.voxel);
           this.tellValue();
           count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
-          this.tell(slice);
+          this.tell(number, slice);
         }
       },
       failed: sentence => this.message.fail(sentence),
@@ -205,6 +207,7 @@ class SlicesPanel {
     this.message.say(volume ? '' : EMPTY);
     this.notes.textContent = '';
     this.readout.textContent = '';
+    this.leftOut = PLANES.map(() => []);
     this.times = 1;
     this.settings.tellTimes(1);
     for (const {view, source, count} of this.panes) {
@@ -225,17 +228,20 @@ class SlicesPanel {
   }
 
   /**
-   * Reports where a slice differs from the scan.
+   * Reports where the slices differ from the scan.
+   * @param {number} number  Index of the plane.
    * @param {import('./slice_pixels.js').Slice} slice
    */
-  tell({contours, skew_deg = 0}) {
-    const left = contours.filter(({left_out}) => left_out).map(({surface}) => surface);
-    this.message.say(left.length > 0
-      ? `Too many lines in this slice: contours of ${left.join(', ')} are incomplete.` : '');
+  tell(number, {contours, skew_deg = 0}) {
+    this.leftOut[number] =
+      contours.filter(({left_out}) => left_out).map(({surface}) => surface);
+    const left = PLANES.map((plane, each) => this.leftOut[each].length > 0
+      ? `${plane}: too many lines. Contours of ${this.leftOut[each].join(', ')} are incomplete.`
+      : '');
     const gaps = this.volume?.gaps ?? 0;
     const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
     const isGantry = this.volume?.modality === 'CT';
-    this.notes.textContent = [
+    this.notes.textContent = [...left,
       gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
         'a gap are taller.' : '',
       isTilted ? `The ${isGantry ? 'gantry was tilted' : 'slices are sheared'} by ` +

@@ -1,5 +1,6 @@
 // Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
+import {saveAs, saveBlob} from '../elements/save_file.js';
 import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
 import {placeWarning} from '../panel/volume_words.js';
@@ -17,28 +18,6 @@ const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', '50 %'],
 const SAMPLES = [16, 4, 1];     // Per pixel, the best first.
 const MOST_PX = 4096;           // A side of a picture that the command `snapshot` accepts.
 const NO_ROOM = /are summed in/;  // A Renderer's memory is too small for the samples.
-
-/**
- * Lets the browser save the file at an address.
- * @param {string} href
- * @param {string} name
- */
-function saveAs(href, name) {
-  const link = h('a', {href, download: name});
-  document.body.append(link);
-  link.click();
-  link.remove();
-}
-
-/**
- * @param {Blob} blob
- * @param {string} name
- */
-function saveBlob(blob, name) {
-  const href = URL.createObjectURL(blob);
-  saveAs(href, name);
-  URL.revokeObjectURL(href);
-}
 
 /**
  * Exports a mesh and saves it. Its certificate, and the colors of an OBJ, are links in the note:
