@@ -20,7 +20,8 @@ import {create as createVolume} from '../volume/volume_report.js';
  */
 const TABS = [
   {id: 'slices', title: 'Slices', help: 'Three slices of the scan', create: createSlices},
-  {id: 'measure', title: 'Measure', help: 'Distances, angles, paths', create: createMeasure},
+  {id: 'measure', title: 'Measure', help: 'Distances, angles, paths, regions',
+    create: createMeasure},
   {id: 'inspector', title: 'Inspector', help: 'Explains the color of a pixel',
     create: createInspector},
   {id: 'machine', title: 'Machine', help: 'Activity of the nodes', create: createMachine},
