@@ -367,9 +367,10 @@ test('two clicks on opposite points of a contour measure the diameter of the sph
   await byId('slice-count-0').getByText(`${volume.size[2] / 2 + 1} / ${volume.size[2]}`).waitFor();
   await byId('choice-point').click();
   const box = await byId('slice-axial').boundingBox();
-  // Beside the sphere, so that the crosshair covers no point of the contour that is clicked.
+  // Beside the sphere, so that the crosshair covers no point of the contour that is clicked. The
+  // slice is square and as high as its canvas.
   await redrawn('slice-axial', () =>
-    page.mouse.click(box.x + 0.24 * box.width, box.y + 0.06 * box.height));
+    page.mouse.click(box.x + box.width / 2 - 0.44 * box.height, box.y + 0.06 * box.height));
   await byId('choice-measure').click();
   const found = await page.waitForFunction(new Function('canvas',
     `const ends = (${oppositePoints})(canvas);
