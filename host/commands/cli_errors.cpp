@@ -1,6 +1,6 @@
 #include "host/commands/cli_errors.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -134,6 +134,11 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     const CLI::App& inner = innermost(app);
     if (surplus) {
         fmt::print(stderr, "error: {}\n", *surplus);
+    } else if (const std::vector<std::string> known = subcommands_of(inner);
+               &inner != &app && !known.empty()) {
+        fmt::print(stderr,
+                   "error: {} needs a subcommand: {}\nRun with --help for more information.\n",
+                   inner.get_name(), fmt::join(known, ", "));
     } else {
         fmt::print(stderr, "error: {}: {}\nusage: {}\nRun with --help for more information.\n",
                    inner.get_name(), reason_of(error), usage_line(inner));

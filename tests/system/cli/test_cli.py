@@ -107,6 +107,7 @@ class Cli(unittest.TestCase):
         for arguments, text in (
                 (["rendr", "x"], "pxpl5 has no subcommand 'rendr'; did you mean 'render'?"),
                 (["trace", "bogus", "--help"], "trace has no subcommand 'bogus'"),
+                (["trace"], "error: trace needs a subcommand: ls, dump, "),
                 (["render", "phantom:sphere", "--opacty", "1", "-o", "x.png"],
                  "did you mean '--opacity'?"),
                 (["run", "-c", "help", "extra"], "unexpected argument 'extra'"),
