@@ -234,8 +234,11 @@ export class Hands {
     const distance_mm = length(minus(position, a_mm));
     this.lengths = [...this.lengths, {a_mm, b_mm: position, text: lengthText(distance_mm)}]
       .slice(-MOST_LENGTHS);
-    document.dispatchEvent(new CustomEvent('distance',
-      {detail: {a_mm, b_mm: position, distance_mm}}));
+    const refusal = this.app_.measures.add({kind: 'distance', points_mm: [a_mm, position],
+      value: distance_mm});
+    if (refusal) {
+      this.app_.toasts.error(refusal);
+    }
   }
 
   /** The lengths, and that from the first point to the hand. */

@@ -43,15 +43,16 @@ class MeasurePanel {
     const {app} = this;
     this.button = modeButton(app, {name: MODE, title: 'Measure', hint: () => HINTS[this.kind],
       testid: 'measure-mode',
-      click: (x, y) => this.then(() => this.click(x, y)),
-      leave: () => this.then(() => this.finish())});
+      click: (x, y) => this.afterClicks(() => this.click(x, y)),
+      leave: () => this.afterClicks(() => this.finish())});
     const kinds = choiceRow('What to measure', [
       {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
       {name: 'angle', title: 'Angle', help: 'Three points: the second is the vertex'},
       {name: 'path', title: 'Path', help: 'Length of straight lines from point to point'},
     ], kind => this.choose(kind));
     this.done = h('button', {type: 'button', hidden: true, 'data-testid': 'measure-done',
-      title: 'Ends the path (Enter)', onclick: () => this.then(() => this.finish())}, 'End path');
+      title: 'Ends the path (Enter)',
+      onclick: () => this.afterClicks(() => this.finish())}, 'End path');
     const save = (/** @type {string} */ suffix, /** @type {() => string} */ text) =>
       h('button', {type: 'button', class: 'quiet', 'data-testid': `measure-${suffix}`,
         title: `Saves all measurements as ${suffix.toUpperCase()}`,
@@ -71,14 +72,9 @@ class MeasurePanel {
   listen() {
     const {app} = this;
     app.picture.onChange(() => this.draw());
-    // A headset measures, too.
-    document.addEventListener('distance', event => {
-      const {a_mm, b_mm, distance_mm} = /** @type {CustomEvent} */ (event).detail;
-      this.add({kind: 'distance', points_mm: [a_mm, b_mm], value: distance_mm});
-    });
     document.addEventListener('keydown', event => {
       if (event.key === 'Enter' && app.modes.current?.name === MODE && this.kind === 'path') {
-        this.then(() => this.finish());
+        this.afterClicks(() => this.finish());
       }
     });
     app.measures.watch(() => this.show());
@@ -101,14 +97,14 @@ class MeasurePanel {
    * Acts after all clicks so far.
    * @param {() => void | Promise<void>} act
    */
-  then(act) {
+  afterClicks(act) {
     this.clicked = this.clicked.then(act);
   }
 
   /** @param {LineKind} kind */
   choose(kind) {
     this.kind = kind;
-    this.then(() => {
+    this.afterClicks(() => {
       this.finish();
       this.points = new Points(kind);
     });
