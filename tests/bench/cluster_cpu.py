@@ -16,9 +16,7 @@ from typing import Dict, List
 
 import figures
 import session
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cluster"))
-from cluster import Cluster, missing  # noqa: E402
+from clusters import Cluster, missing, parser_of
 
 LIMIT_S = 300
 SCENE = ["load phantom:pelvis", "surface bone iso=250.5", "size 512x512"]
@@ -72,13 +70,8 @@ def cpu_ms_per_frame(cluster: Cluster, program: pathlib.Path, words: argparse.Na
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("program", type=lambda text: pathlib.Path(text).resolve())
-    parser.add_argument("--topology", default="paper-1993")
-    parser.add_argument("--computers", type=int, default=3)
+    parser = parser_of(__doc__, runs=3)
     parser.add_argument("--frames", type=int, default=60)
-    parser.add_argument("--runs", type=int, default=3)
-    parser.add_argument("--check", action="store_true")
     words = parser.parse_args()
     if reason := missing([words.program.parent]):
         print(f"SKIPPED: {reason}")

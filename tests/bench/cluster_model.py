@@ -18,9 +18,7 @@ from typing import Dict, List, NamedTuple
 
 import figures
 import session
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cluster"))
-from cluster import Cluster, missing  # noqa: E402
+from clusters import Cluster, missing
 
 LIMIT_S = 300
 MOST_ERROR = 0.20

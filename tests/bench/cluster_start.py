@@ -19,9 +19,7 @@ from typing import Callable, Dict, List
 
 import figures
 import session
-
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cluster"))
-from cluster import Cluster, missing  # noqa: E402
+from clusters import Cluster, missing, parser_of
 
 LIMIT_S = 600
 FIRST = "activity"
@@ -67,12 +65,7 @@ def sample(cluster: Cluster, words: argparse.Namespace, place: str) -> float:
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("program", type=lambda text: pathlib.Path(text).resolve())
-    parser.add_argument("--topology", default="paper-1993")
-    parser.add_argument("--computers", type=int, default=3)
-    parser.add_argument("--runs", type=int, default=7)
-    parser.add_argument("--check", action="store_true")
+    parser = parser_of(__doc__, runs=7)
     parser.add_argument("--inside", choices=IN_ALLOCATION, help=argparse.SUPPRESS)
     words = parser.parse_args()
     if words.inside:
