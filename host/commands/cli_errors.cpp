@@ -28,9 +28,11 @@ std::string nearest_of(const std::string& word, const std::vector<std::string>& 
     return did_you_mean(word, views);
 }
 
+/// Groups of options are subcommands without a name.
 std::vector<std::string> subcommands_of(const CLI::App& app) {
     std::vector<std::string> names;
-    for (const CLI::App* each : app.get_subcommands([](const CLI::App*) { return true; })) {
+    const auto is_named = [](const CLI::App* each) { return !each->get_name().empty(); };
+    for (const CLI::App* each : app.get_subcommands(is_named)) {
         names.push_back(each->get_name());
     }
     return names;
@@ -134,11 +136,10 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     const CLI::App& inner = innermost(app);
     if (surplus) {
         fmt::print(stderr, "error: {}\n", *surplus);
-    } else if (const std::vector<std::string> known = subcommands_of(inner);
-               &inner != &app && !known.empty()) {
+    } else if (inner.get_require_subcommand_min() > 0) {
         fmt::print(stderr,
                    "error: {} needs a subcommand: {}\nRun with --help for more information.\n",
-                   inner.get_name(), fmt::join(known, ", "));
+                   inner.get_name(), fmt::join(subcommands_of(inner), ", "));
     } else {
         fmt::print(stderr, "error: {}: {}\nusage: {}\nRun with --help for more information.\n",
                    inner.get_name(), reason_of(error), usage_line(inner));

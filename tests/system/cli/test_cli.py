@@ -108,6 +108,7 @@ class Cli(unittest.TestCase):
                 (["rendr", "x"], "pxpl5 has no subcommand 'rendr'; did you mean 'render'?"),
                 (["trace", "bogus", "--help"], "trace has no subcommand 'bogus'"),
                 (["trace"], "error: trace needs a subcommand: ls, dump, "),
+                (["join", "tcp://127.0.0.1:4711"], "1 option from [--key-file,"),
                 (["render", "phantom:sphere", "--opacty", "1", "-o", "x.png"],
                  "did you mean '--opacity'?"),
                 (["run", "-c", "help", "extra"], "unexpected argument 'extra'"),
