@@ -5,6 +5,7 @@ import {Headset} from './headset/headset.js';
 import {Connection} from './link/connection.js';
 import {address} from './link/token.js';
 import {watchPointers} from './picture/gestures.js';
+import {Grabs} from './picture/grabs.js';
 import {measure} from './picture/metrics.js';
 import {PictureView} from './picture/picture.js';
 import {Video} from './picture/video.js';
@@ -44,7 +45,8 @@ function start() {
   picture.video = new Video(connection, text => toasts.info(text));
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
-    selection: new Selection(), session: new PageSession(), measures: new Measures()};
+    selection: new Selection(), session: new PageSession(), measures: new Measures(),
+    grabs: new Grabs()};
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));
@@ -82,7 +84,8 @@ function start() {
   createEnding(app);
   createHints(app);
   createTabs(app);
-  watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()));
+  watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()),
+    app.grabs);
   watchKeys(app, viewpoint, actions);
   connection.open();
 }

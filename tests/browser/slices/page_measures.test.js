@@ -3,8 +3,9 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
-import {MOST_MEASURES, Measures, Points, angleOf, csvOf, jsonOf, lengthOf, measureText, valuesOf,
-  valuesText} from '../../../host/serve/page/panel/measures.js';
+import {csvOf, jsonOf} from '../../../host/serve/page/panel/measure_files.js';
+import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf, valuesText}
+  from '../../../host/serve/page/panel/measures.js';
 
 /** @param {number} a @param {number} b */
 const near = (a, b) =>

@@ -1,8 +1,11 @@
 // Panel: distances, angles and paths on surfaces, drawn over the picture; the list of all measures.
 import {h, s} from '../elements/dom.js';
 import {saveBlob} from '../elements/save_file.js';
-import {KIND_TITLES, Points, csvOf, jsonOf, measureText, valuesText} from '../panel/measures.js';
+import {csvOf, jsonOf} from '../panel/measure_files.js';
+import {MeasureList} from '../panel/measure_list.js';
+import {Points, measureText} from '../panel/measures.js';
 import {choiceRow, intro, messageLine, modeButton, sentenceOf} from '../panel/panel_parts.js';
+import {MeasureEnds} from './measure_ends.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../panel/measures.js').Measure} Measure */
@@ -31,8 +34,14 @@ class MeasurePanel {
     /** Ends after all clicks so far: a measurement does not end before the points of its clicks. */
     this.clicked = Promise.resolve();
     this.identity = '';
+    /** How many measurements the message knows. */
+    this.told = -1;
     this.message = messageLine('measure-message');
-    this.list = h('ul', {class: 'distances', 'data-testid': 'measure-list'});
+    this.ends = new MeasureEnds(app, this.message, {
+      grabs: ({name}) => app.modes.current ? app.modes.current.name === MODE
+        : name === app.measures.chosen,
+      changed: () => this.draw()});
+    this.list = new MeasureList(app, 'measure', this.ends.mover, this.message);
     this.drawing = s('g', {class: 'measure', 'data-testid': 'measure-lines'});
     this.build(root);
     this.listen();
@@ -62,11 +71,13 @@ class MeasurePanel {
     this.files = h('div', {class: 'tool-row', hidden: true},
       h('span', {class: 'legend'}, 'Save as'),
       save('csv', () => csvOf(app.measures.list, volume())),
-      save('json', () => jsonOf(app.measures.list, volume())));
+      save('json', () => jsonOf(app.measures.list, volume())), h('span', {class: 'grow'}),
+      h('button', {type: 'button', class: 'quiet', 'data-testid': 'measure-delete-all',
+        onclick: () => app.measures.removeAll()}, 'Delete all'));
     app.picture.overlay.append(this.drawing);
     root.append(intro('Distances, angles and paths on surfaces. Slices measure, too.'),
-      h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done), this.list,
-      this.files, this.message.element);
+      h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done),
+      this.list.element, this.files, this.message.element);
   }
 
   listen() {
@@ -78,7 +89,10 @@ class MeasurePanel {
       }
     });
     app.measures.watch(() => this.show());
-    app.connection.on('hello', () => this.show());
+    app.connection.on('hello', () => {
+      this.told = -1;
+      this.show();
+    });
     app.store.subscribe(['volume'], ({volume}) => this.open(volume?.identity ?? ''));
     app.session.add('measurements', {
       save: () => app.measures.list, restore: list => app.measures.restore(list)});
@@ -161,22 +175,14 @@ class MeasurePanel {
   }
 
   show() {
-    const {measures, connection, store} = this.app;
+    const {measures, connection} = this.app;
     const advice = connection.watches ? 'A view-only page measures in slices alone.'
       : 'Press Measure, then click points on a surface.';
-    this.message.say(measures.list.length > 0 ? '' : advice);
+    if (measures.list.length !== this.told) {
+      this.told = measures.list.length;
+      this.message.say(this.told > 0 ? '' : advice);
+    }
     this.files?.toggleAttribute('hidden', measures.list.length === 0);
-    const unit = store.state?.volume?.unit ?? '';
-    this.list.replaceChildren(...measures.list.map(measure => h('li', {},
-      h('span', {class: 'badge'}, measure.name),
-      h('div', {class: 'grow'}, h('b', {class: 'number'}, measureText(measure)),
-        measure.kind !== 'distance' && h('span', {class: 'legend'},
-          ` ${KIND_TITLES[measure.kind].toLowerCase()}`),
-        measure.values && h('div', {class: 'legend'}, valuesText(measure.values, unit))),
-      h('button', {type: 'button', class: 'quiet',
-        'aria-label': `Delete measurement ${measure.name}`, title: 'Delete',
-        'data-testid': `measure-delete-${measure.name}`,
-        onclick: () => measures.remove(measure)}, '×'))));
     this.draw();
   }
 
@@ -198,12 +204,16 @@ class MeasurePanel {
    */
   marks(measures, eye) {
     const marks = measures.flatMap(measure => {
-      const places = measure.points_mm.map(p_mm => eye.project(p_mm));
+      const {held} = this.ends, {name} = measure;
+      const places = measure.points_mm.map((p_mm, end) =>
+        held?.name === name && held.end === end && held.eye === eye.name
+          ? {x: held.x, y: held.y, visible: true} : eye.project(p_mm));
       return places.every(({visible}) => visible)
-        ? [line(places, `${measure.name}: ${measureText(measure)}`, measure.kind)] : [];
+        ? [line(places, `${name}: ${measureText(measure)}`, measure.kind,
+          name === this.app.measures.chosen)] : [];
     });
     const places = this.points.list.map(p_mm => eye.project(p_mm)).filter(({visible}) => visible);
-    return places.length > 0 ? [...marks, line(places, '', this.points.kind)] : marks;
+    return places.length > 0 ? [...marks, line(places, '', this.points.kind, false)] : marks;
   }
 }
 
@@ -212,8 +222,9 @@ class MeasurePanel {
  * @param {Place[]} places
  * @param {string} text
  * @param {import('../panel/measures.js').Kind} kind
+ * @param {boolean} isChosen
  */
-function line(places, text, kind) {
+function line(places, text, kind, isChosen) {
   const ends = places.slice(1).map(({x, y}, k) =>
     ({x1: places[k].x, y1: places[k].y, x2: x, y2: y}));
   const half = (places.length - 1) / 2;
@@ -221,7 +232,7 @@ function line(places, text, kind) {
     : [places[Math.floor(half)], places[Math.ceil(half)]];
   return s('g', {}, ...ends.map(each => s('line', {class: 'back', ...each})),
     ...ends.map(each => s('line', {class: 'front', ...each})),
-    ...places.map(({x, y}) => s('circle', {cx: x, cy: y, r: text ? 3 : 4})),
+    ...places.map(({x, y}) => s('circle', {cx: x, cy: y, r: isChosen ? 5 : text ? 3 : 4})),
     text && s('text', {x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 - LABEL_ABOVE}, text));
 }
 

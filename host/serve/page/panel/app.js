@@ -10,6 +10,7 @@
 // in markup.
 
 /** @typedef {import('../picture/eyes.js').Eye} Eye */
+/** @typedef {import('../picture/grabs.js').Grab} Grab */
 
 /**
  * The parts that every panel and control receives.
@@ -22,6 +23,7 @@
  * @property {import('../state/selection.js').Selection} selection
  * @property {import('../state/page_session.js').PageSession} session
  * @property {import('./measures.js').Measures} measures
+ * @property {import('../picture/grabs.js').Grabs} grabs
  */
 
 export {};

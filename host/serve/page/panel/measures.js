@@ -11,7 +11,7 @@
 
 /**
  * @typedef {object} Measure
- * @property {string} name          Counts from 1.
+ * @property {string} name          Counts from 1, unless the user changes it; no other has it.
  * @property {Kind} kind
  * @property {Triple[]} points_mm   LPS. Distance: both ends. Angle: its vertex is the second. Path:
  *     all corners. Ellipse and rectangle: two opposite corners of the box around them.
@@ -21,6 +21,7 @@
  */
 
 export const MOST_MEASURES = 100;
+const MOST_LETTERS = 60;    // Of a name.
 
 /** How many points end a measurement; a path ends when the user says so. */
 const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2};
@@ -71,7 +72,7 @@ export class Points {
   whole_() {
     const {kind, list: points_mm} = this;
     this.list = [];
-    return {kind, points_mm, value: kind === 'angle' ? angleOf(points_mm) : lengthOf(points_mm)};
+    return through(kind, points_mm);
   }
 
   /** "Click the second point.", "12.3 mm so far."; empty without points. */
@@ -84,16 +85,32 @@ export class Points {
 
 export class Measures {
   constructor() {
-    /** @type {Measure[]} */
+    /** @type {readonly Measure[]} */
     this.list = [];
+    /** Name of the measurement whose ends the lists show, '' for none. */
+    this.chosen = '';
+    /** Called before each change that undo() can take back. */
+    this.changes = () => {};
     /** @private */ this.count_ = 0;
     /** @private @type {Set<() => void>} */ this.watchers_ = new Set();
+    /** The list before a drag. @private @type {readonly Measure[] | null} */ this.held_ = null;
   }
 
   /** @param {() => void} act  Called now and at each change. */
   watch(act) {
     this.watchers_.add(act);
     act();
+  }
+
+  /** @param {string} name */
+  named(name) {
+    return this.list.find(each => each.name === name) ?? null;
+  }
+
+  /** @param {string} name  '' for none. */
+  choose(name) {
+    this.chosen = name;
+    this.set_(this.list);
   }
 
   /**
@@ -104,35 +121,130 @@ export class Measures {
     if (this.list.length >= MOST_MEASURES) {
       return `There are ${MOST_MEASURES} measurements, which is the limit. Delete one first.`;
     }
-    this.set_([...this.list, {name: String(++this.count_), ...measure}]);
+    do {
+      ++this.count_;
+    } while (this.named(String(this.count_)));
+    this.change_([...this.list, {name: String(this.count_), ...measure}]);
     return '';
   }
 
-  /** @param {Measure} measure */
-  remove(measure) {
-    this.set_(this.list.filter(each => each !== measure));
+  /** @param {string} name */
+  remove(name) {
+    this.change_(this.list.filter(each => each.name !== name));
   }
 
-  /** Removes all, because another volume is open. */
+  /** Removes all; undo() brings them back. */
+  removeAll() {
+    this.change_([]);
+  }
+
+  /**
+   * Returns why the measurement keeps its name; empty if it has the new one.
+   * @param {string} name
+   * @param {string} wanted
+   */
+  rename(name, wanted) {
+    const next = wanted.trim().slice(0, MOST_LETTERS);
+    if (next === name) {
+      return '';
+    }
+    if (next === '' || this.named(next)) {
+      return next === '' ? `Measurement ${name}: the name is empty. Type a name.`
+        : `There is already a measurement ${next}. Choose another name for ${name}.`;
+    }
+    const list = this.list.map(each => each.name === name ? {...each, name: next} : each);
+    this.chosen = this.chosen === name ? next : this.chosen;
+    this.change_(list);
+    return '';
+  }
+
+  /**
+   * Shows other points of a measurement while an end is dragged.
+   * @param {string} name
+   * @param {Partial<Measure>} changed
+   */
+  drag(name, changed) {
+    this.held_ ??= this.list;
+    this.set_(this.list.map(each => each.name === name ? {...each, ...changed} : each));
+  }
+
+  /** Ends a drag: the points stay. */
+  drop() {
+    const [before, now] = [this.held_, this.list];
+    this.held_ = null;
+    if (before && before !== now) {
+      this.list = before;
+      this.change_(now);
+    }
+  }
+
+  /** Ends a drag: the points are the ones before it. */
+  putBack() {
+    if (this.held_) {
+      this.set_(this.held_);
+      this.held_ = null;
+    }
+  }
+
+  /** Removes all for good, because another volume is open. */
   clear() {
+    this.chosen = '';
+    this.held_ = null;
     this.set_([]);
   }
 
   /** @param {any[]} saved  What `list` was in a saved session; earlier ones had distances alone. */
   restore(saved) {
-    this.count_ = Math.max(0, ...saved.map(({name}) => Number(name)));
+    this.count_ = Math.max(0, ...saved.map(({name}) => Number(name)).filter(Number.isFinite));
+    this.chosen = '';
+    this.held_ = null;
     this.set_(saved.map(each => each.kind ? each : {name: each.name, kind: 'distance',
       points_mm: [each.a_mm, each.b_mm], value: each.distance_mm}));
   }
 
   /**
    * @private
-   * @param {Measure[]} list
+   * @param {readonly Measure[]} list
+   */
+  change_(list) {
+    this.changes();
+    this.set_(list);
+  }
+
+  /**
+   * @private
+   * @param {readonly Measure[]} list
    */
   set_(list) {
     this.list = list;
     this.watchers_.forEach(act => act());
   }
+}
+
+/**
+ * A distance, an angle or a path through other points.
+ * @param {Kind} kind
+ * @param {Triple[]} points_mm
+ * @throws {Error} as angleOf()
+ */
+export function through(kind, points_mm) {
+  return {kind, points_mm, value: kind === 'angle' ? angleOf(points_mm) : lengthOf(points_mm)};
+}
+
+/**
+ * What a point of a measurement is called: "First end", "Vertex", "Corner 2".
+ * @param {Kind} kind
+ * @param {number} index
+ * @param {number} count  Number of points.
+ */
+export function endTitle(kind, index, count) {
+  if (isRegion(kind)) {
+    return `Corner ${index + 1}`;
+  }
+  if (kind === 'angle' && index === 1) {
+    return 'Vertex';
+  }
+  return index === 0 ? 'First end' : index === count - 1 ? 'Last end' : `Point ${index + 1}`;
 }
 
 /**
@@ -179,14 +291,6 @@ export function valuesOf(values) {
     least: values.reduce((a, b) => Math.min(a, b)), most: values.reduce((a, b) => Math.max(a, b))};
 }
 
-/**
- * Units as files have them.
- * @param {Kind} kind
- */
-function unitOf(kind) {
-  return kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
-}
-
 /** @param {Pick<Measure, 'kind' | 'value'>} measure */
 export function measureText({kind, value}) {
   if (kind === 'angle') {
@@ -208,34 +312,4 @@ export function valuesText({voxels, mean, deviation, least, most}, unit) {
   const count = `${voxels.toLocaleString('en')} ${voxels === 1 ? 'voxel' : 'voxels'}`;
   return `mean ${digits(mean, 4)}${spread}, ${digits(least, 6)} to ${digits(most, 6)}` +
     `${unit ? ` ${unit}` : ''}, ${count}`;
-}
-
-const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
-  'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit'];
-
-/**
- * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
- * @param {Measure[]} measures
- * @param {{name: string, unit: string}} volume
- */
-export function csvOf(measures, volume) {
-  const lines = measures.map(({name, kind, value, points_mm, slice, values}) => [volume.name, name,
-    kind, value, unitOf(kind), points_mm.map(p => p.join(' ')).join('; '),
-    ...slice ? [slice.axis, slice.index] : ['', ''],
-    ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
-      volume.unit] : ['', '', '', '', '', '']]);
-  const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
-    ? `"${String(each).replaceAll('"', '""')}"` : String(each);
-  return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');
-}
-
-/**
- * The same as JSON.
- * @param {Measure[]} measures
- * @param {{name: string, unit: string}} volume
- */
-export function jsonOf(measures, {name, unit}) {
-  return `${JSON.stringify({volume: name, value_unit: unit, positions: 'mm, LPS',
-    measurements: measures.map(({slice, ...measure}) => ({...measure, unit: unitOf(measure.kind),
-      ...slice && {voxel_axis: slice.axis, voxel_index: slice.index}}))}, null, 2)}\n`;
 }

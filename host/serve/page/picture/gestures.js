@@ -1,4 +1,5 @@
-// Pointers on the picture: one rotates, two or another button move and zoom, a click picks.
+// Pointers on the picture: one rotates or drags a mark, two or another button move and zoom, a
+// click picks.
 import {onBall} from './arcball.js';
 
 /** @typedef {import('./picture.js').PictureView} PictureView */
@@ -14,8 +15,9 @@ const LINE_PX = 16;
  * @param {PictureView} picture
  * @param {Viewpoint} viewpoint
  * @param {(event: PointerEvent) => void} click
+ * @param {import('./grabs.js').Grabs} grabs
  */
-export function watchPointers(picture, viewpoint, click) {
+export function watchPointers(picture, viewpoint, click, grabs) {
   const {stage} = picture;
   /** @type {Map<number, Point>} */
   const pointers = new Map();
@@ -35,6 +37,7 @@ export function watchPointers(picture, viewpoint, click) {
     ball = picture.circleAt(event);
     isPanning = event.button !== 0 || event.shiftKey;
     down = pointers.size === 1 ? {x: event.clientX, y: event.clientY} : null;
+    grabs.press(down && !isPanning ? event : null);
   });
   stage.addEventListener('pointermove', event => {
     const before = pointers.get(event.pointerId);
@@ -43,6 +46,11 @@ export function watchPointers(picture, viewpoint, click) {
     }
     const now = {x: event.clientX, y: event.clientY};
     if (down && Math.hypot(now.x - down.x, now.y - down.y) < CLICK_PX) {
+      return;
+    }
+    if (grabs.move(event)) {
+      down = null;
+      pointers.set(event.pointerId, now);
       return;
     }
     if (down) {
@@ -60,23 +68,38 @@ export function watchPointers(picture, viewpoint, click) {
       viewpoint.drag(ballAt(ball, before), ballAt(ball, now));
     }
   });
-  // A frame around the picture shows the keyboard's focus, and no click.
-  stage.addEventListener('keydown', () => stage.classList.remove('by-pointer'));
-  stage.addEventListener('blur', () => stage.classList.remove('by-pointer'));
   const end = (/** @type {PointerEvent} */ event) => {
     const wasThere = pointers.delete(event.pointerId);
     if (pointers.size === 0) {
       stage.classList.remove('dragging');
     }
     if (wasThere && down && event.type === 'pointerup' && event.button === 0) {
+      grabs.cancel();
       click(event);
     }
+    grabs.end(event);
     down = null;
   };
   stage.addEventListener('pointerup', end);
   stage.addEventListener('pointercancel', end);
   stage.addEventListener('contextmenu', event => event.preventDefault());
   watchWheel(stage, viewpoint);
+  watchFocus(stage, grabs);
+}
+
+/**
+ * A frame around the picture shows the keyboard's focus, and no click. Esc ends a drag of a mark.
+ * @param {HTMLElement} stage
+ * @param {import('./grabs.js').Grabs} grabs
+ */
+function watchFocus(stage, grabs) {
+  stage.addEventListener('keydown', event => {
+    stage.classList.remove('by-pointer');
+    if (event.key === 'Escape' && grabs.cancel()) {
+      event.stopPropagation();
+    }
+  });
+  stage.addEventListener('blur', () => stage.classList.remove('by-pointer'));
 }
 
 /**

@@ -14,6 +14,8 @@ const PINCH = 0.009;        // Zoom by deltaY of two fingers on a touchpad, as i
 const MIDDLE = 1, RIGHT = 2;  // Buttons of a mouse.
 const PAGE = 5;             // Slices per Page Up or Page Down.
 const TAP_PX = 6;           // A finger that moves less taps.
+const CLICK_PX = 3;         // A mouse on an end that moves less clicks.
+const MOUSE_REACH = 8, FINGER_REACH = 22;  // From an end that is grabbed, CSS pixels.
 
 const STEPS = new Map([['PageUp', PAGE], ['PageDown', -PAGE], [']', 1], ['[', -1]]);
 const MOVES = new Map([['ArrowLeft', [-1, 0]], ['ArrowRight', [1, 0]], ['ArrowUp', [0, -1]],
@@ -27,6 +29,8 @@ const ZOOMS = new Map([['+', ZOOM_STEP], ['=', ZOOM_STEP], ['-', 1 / ZOOM_STEP],
  * @property {Place} last
  * @property {Under | null} from    What was under it at first.
  * @property {boolean} isUsed       False of a finger that may become one of two.
+ * @property {import('./slice_ends.js').End | null} end  The end of a measurement that it grabs.
+ * @property {boolean} isMoved      Whether it drags the end.
  */
 
 export class SliceInput {
@@ -103,11 +107,23 @@ export class SliceInput {
     }
     const tool = event.button === MIDDLE ? 'move'
       : event.button === RIGHT || event.shiftKey ? 'window' : this.tool;
-    this.drag_ = {tool, last: this.view_.inView(event), from: this.view_.under(event),
-      isUsed: false};
-    if (event.pointerType !== 'touch') {
+    const last = this.view_.inView(event), isFinger = event.pointerType === 'touch';
+    const end = this.endAt_(event);
+    this.drag_ = {tool, last, from: this.view_.under(event), isUsed: false, isMoved: false,
+      end: tool === 'measure' ? end : null};
+    if (!isFinger && !this.drag_.end) {
       this.use_(this.drag_);
     }
+  }
+
+  /**
+   * The end of a measurement that a press would grab.
+   * @private
+   * @param {PointerEvent} event
+   */
+  endAt_(event) {
+    return this.tool !== 'measure' ? null : this.view_.endAt(this.view_.inView(event),
+      event.pointerType === 'touch' ? FINGER_REACH : MOUSE_REACH);
   }
 
   /**
@@ -145,8 +161,17 @@ export class SliceInput {
       return;
     }
     const drag = this.drag_;
+    if (!drag) {
+      this.view_.canvas.classList.toggle('grabs', this.endAt_(event) !== null);
+    }
     const across = place[0] - (drag?.last[0] ?? 0), down = place[1] - (drag?.last[1] ?? 0);
-    if (!drag || !drag.isUsed && Math.hypot(across, down) < TAP_PX) {
+    const least = event.pointerType === 'touch' ? TAP_PX : CLICK_PX;
+    if (!drag || !drag.isUsed && !drag.isMoved && Math.hypot(across, down) < least) {
+      return;
+    }
+    if (drag.end) {
+      drag.isMoved = true;
+      this.events_.end('move', drag.end, this.view_.nearest(event));
       return;
     }
     this.use_(drag);
@@ -170,7 +195,9 @@ export class SliceInput {
     const drag = this.drag_;
     this.drag_ = null;
     this.fingers_.delete(event.pointerId);
-    if (drag) {
+    if (drag?.end && drag.isMoved) {
+      this.events_.end('release', drag.end, this.view_.nearest(event));
+    } else if (drag) {
       this.use_(drag);
       if (drag.tool === 'measure') {
         this.events_.measure('release', this.view_.nearest(event));
@@ -190,7 +217,10 @@ export class SliceInput {
 
   /** @private */
   drop_() {
-    if (this.drag_?.tool === 'measure') {
+    const end = this.drag_?.isMoved ? this.drag_.end : null;
+    if (end) {
+      this.events_.end('cancel', end, null);
+    } else if (this.drag_?.tool === 'measure') {
       this.events_.measure('cancel', null);
     }
     this.drag_ = null;
@@ -254,6 +284,8 @@ export class SliceInput {
       this.events_.point(next);
     } else if (measures && event.key === 'Enter') {
       this.events_.measure('press', this.view_.besideCrosshair(0, 0));
+    } else if (this.drag_?.isMoved && event.key === 'Escape') {
+      this.drop_();
     } else if (measures && event.key === 'Escape') {
       this.events_.measure('end', null);
     } else {

@@ -1,9 +1,10 @@
 // Measuring on slices: distances, angles and paths from point to point, regions by dragging.
 import {h} from '../elements/dom.js';
-import {KIND_TITLES, Points, isRegion, measureText, valuesOf, valuesText}
-  from '../panel/measures.js';
+import {MeasureList} from '../panel/measure_list.js';
+import {KIND_TITLES, Points, isRegion, measureText, valuesText} from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
 import {toPatient, toVoxel} from './patient_grid.js';
+import {movedTo, regionOf} from './slice_ends.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_view.js').Phase} Phase */
@@ -18,18 +19,29 @@ import {toPatient, toVoxel} from './patient_grid.js';
  * @property {Vector[]} voxels
  * @property {string} text
  * @property {{axis: 'x' | 'y' | 'z', index: number}} [slice]  The only slice that shows it.
+ * @property {string} [name]    Of the measurement; none as long as the user makes it.
  */
+
+/**
+ * What the panel of the slices does for measurements.
+ * @typedef {object} Panel
+ * @property {() => void} changed               Other marks are to be shown.
+ * @property {(voxel: Vector) => void} point    Moves the crosshair.
+ * @property {() => SliceView[]} views          The large one first.
+ */
+
+const LATER = 'The slice of this end is not shown yet. Press the key again.';
 
 export class SliceMeasure {
   /**
    * @param {import('../panel/app.js').App} app
    * @param {{say: (text: string) => void, fail: (text: string) => void}} message
-   * @param {() => void} changed  The points so far are other ones.
+   * @param {Panel} panel
    */
-  constructor(app, message, changed) {
+  constructor(app, message, panel) {
     /** @private */ this.app_ = app;
     /** @private */ this.message_ = message;
-    /** @private */ this.changed_ = changed;
+    /** @private */ this.panel_ = panel;
     /** @private */ this.points_ = new Points('distance');
     /** The region that is being drawn. @private @type {Mark | null} */ this.region_ = null;
     this.kind = h('select', {'aria-label': 'What to measure', hidden: true,
@@ -37,6 +49,31 @@ export class SliceMeasure {
     ...Object.entries(KIND_TITLES).map(([value, title]) => h('option', {value}, title)));
     this.done = h('button', {type: 'button', disabled: true, hidden: true,
       'data-testid': 'slices-path-done', onclick: () => this.finish()}, 'End path');
+    this.list = new MeasureList(app, 'slices', this.mover_(), message);
+    this.list.element.hidden = true;
+  }
+
+  /** @private @returns {import('../panel/measure_list.js').Mover} */
+  mover_() {
+    const volume = () => this.app_.store.state?.volume ?? null;
+    return {
+      refusal: () => '',
+      hint: 'Arrow keys move it by a voxel, with Shift by 10, in the large slice; the corners of a '
+        + 'region in its own slice.',
+      look: ({points_mm}, end) => {
+        const grid = volume();
+        if (grid) {
+          this.panel_.point(toVoxel(grid, points_mm[end]));
+        }
+      },
+      move: (measure, end, across, down) => {
+        const grid = volume();
+        if (grid) {
+          this.step_(grid, measure, end, [across, down]);
+        }
+      },
+      leave: () => this.app_.measures.drop(),
+    };
   }
 
   /** @private */
@@ -54,6 +91,7 @@ export class SliceMeasure {
   show(isOn) {
     this.kind.hidden = !isOn;
     this.done.hidden = !isOn || this.kind.value !== 'path';
+    this.list.element.hidden = !isOn;
     this.finish();
   }
 
@@ -62,7 +100,7 @@ export class SliceMeasure {
     this.points_ = new Points(this.points_.kind);
     this.region_ = null;
     this.done.disabled = true;
-    this.changed_();
+    this.panel_.changed();
   }
 
   /**
@@ -100,10 +138,72 @@ export class SliceMeasure {
     const voxels = (/** @type {Vector[]} */ points) => points.map(p => toVoxel(volume, p));
     const marks = this.app_.measures.list.map(measure => ({kind: measure.kind,
       voxels: voxels(measure.points_mm), slice: measure.slice,
-      text: `${measure.name}: ${measureText(measure)}`}));
+      text: `${measure.name}: ${measureText(measure)}`, name: measure.name}));
     const {kind, list} = this.points_;
     return [...marks, ...this.region_ ? [this.region_] : [],
       ...list.length > 0 ? [{kind, voxels: voxels(list), text: ''}] : []];
+  }
+
+  /**
+   * A pointer drags an end of a measurement.
+   * @param {Phase} phase
+   * @param {import('./slice_ends.js').End} end
+   * @param {Vector | null} voxel     Not rounded; null if the drag stops.
+   * @param {SliceView} view
+   * @param {VolumeState} volume
+   */
+  drag(phase, {name, end}, voxel, view, volume) {
+    const {measures} = this.app_, measure = measures.named(name);
+    if (voxel && measure) {
+      this.put_(view, volume, measure, end, voxel);
+    }
+    if (phase === 'release') {
+      measures.drop();
+    } else if (phase === 'cancel') {
+      measures.putBack();
+      this.message_.say('The end is back in its place.');
+    }
+  }
+
+  /**
+   * Moves an end by voxels, and the crosshair with it.
+   * @private
+   * @param {VolumeState} volume
+   * @param {Measure} measure
+   * @param {number} end
+   * @param {[number, number]} by     Across, down.
+   */
+  step_(volume, measure, end, [across, down]) {
+    const {slice: own} = measure, voxel = toVoxel(volume, measure.points_mm[end]);
+    const view = this.panel_.views().find(({shown}) => !own || shown?.axis === own.axis);
+    const isShown = own ? view?.shown?.index === own.index : view?.shows(voxel);
+    const to = view?.beside(voxel, across, down);
+    if (!view || !to || !isShown) {
+      this.message_.fail(LATER);
+    } else if (!view.isInside(to)) {
+      this.message_.fail('The end is at the edge of the slice.');
+    } else {
+      this.put_(view, volume, measure, end, to);
+      this.panel_.point(to);
+    }
+  }
+
+  /**
+   * @private
+   * @param {SliceView} view
+   * @param {VolumeState} volume
+   * @param {Measure} measure
+   * @param {number} end
+   * @param {Vector} to
+   */
+  put_(view, volume, measure, end, to) {
+    try {
+      const changed = movedTo(view, volume, measure, end, to);
+      this.app_.measures.drag(measure.name, changed);
+      this.say_({...measure, ...changed});
+    } catch (wrong) {
+      this.message_.fail(sentenceOf(wrong));
+    }
   }
 
   /**
@@ -122,7 +222,7 @@ export class SliceMeasure {
       this.message_.fail(sentenceOf(same));
     }
     this.done.disabled = this.points_.list.length < 2;
-    this.changed_();
+    this.panel_.changed();
   }
 
   /**
@@ -151,7 +251,7 @@ export class SliceMeasure {
         this.keep_(region, view, volume);
       }
     }
-    this.changed_();
+    this.panel_.changed();
   }
 
   /**
@@ -160,11 +260,9 @@ export class SliceMeasure {
    * @param {SliceView} view
    * @param {VolumeState} volume
    */
-  keep_({kind, voxels: [a, b], slice}, view, volume) {
+  keep_({kind, voxels, slice}, view, volume) {
     try {
-      const {values, area_mm2} = view.valuesIn(kind, a, b);
-      this.add_({kind, points_mm: [toPatient(volume, a), toPatient(volume, b)], value: area_mm2,
-        slice, values: valuesOf(values)});
+      this.add_({...regionOf(view, volume, kind, voxels), slice});
     } catch (empty) {
       this.message_.fail(sentenceOf(empty));
     }
@@ -180,10 +278,18 @@ export class SliceMeasure {
       this.message_.fail(refusal);
       return refusal;
     }
+    this.say_(measure);
+    return '';
+  }
+
+  /**
+   * @private
+   * @param {Omit<Measure, 'name'>} measure
+   */
+  say_(measure) {
     const unit = this.app_.store.state?.volume?.unit ?? '';
     this.message_.say(measure.values
       ? `${measureText(measure)}: ${valuesText(measure.values, unit)}.`
-      : `${measureText(measure)}. The tab Measure lists all measurements.`);
-    return '';
+      : `${measureText(measure)}. The list below has all measurements.`);
   }
 }

@@ -1,6 +1,7 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
 import {styleColor} from '../elements/canvas.js';
 import {isRegion} from '../panel/measures.js';
+import {isOn} from './slice_ends.js';
 import {boxAt, pixelAt} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
@@ -25,7 +26,6 @@ const LETTER_MARGIN = 4;
 const LINE_WIDTH = {thick: 1.5, thin: 1};  // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
 const EDGE_COLOR = '#000c';
-const HALF_A_SLICE = 0.5;
 const END_RADIUS = 2.5;     // Of the points of a measurement, CSS pixels.
 const LABEL_ABOVE = 5;
 const LABEL_HEIGHT = 12;
@@ -114,16 +114,12 @@ export function paintCrosshair({canvas, context, slice, place, unit}, size, voxe
  * @param {import('./slice_measure.js').Mark[]} marks
  */
 export function paintMarks({canvas, context, slice, place, unit}, size, marks) {
-  const through = slice.axes[2];
-  const isHere = (/** @type {import('./slice_measure.js').Mark} */ {slice: own, voxels}) => own
-    ? own.axis === slice.axis && own.index === slice.index
-    : voxels.every(voxel => Math.abs(voxel[through] - slice.index) <= HALF_A_SLICE);
   const color = styleColor(canvas, '--warn');
   context.textAlign = 'center';
   context.textBaseline = 'alphabetic';
   context.font = `600 ${12 * unit}px system-ui, sans-serif`;
   context.lineCap = 'round';
-  for (const {kind, voxels, text} of marks.filter(isHere)) {
+  for (const {kind, voxels, text} of marks.filter(mark => isOn(slice, mark))) {
     const places = voxels.map(voxel => boxAt(slice, place, ...pixelAt(slice, size, voxel)));
     const path = pathOf(kind, places);
     for (const [style, width] of /** @type {const} */ ([[EDGE_COLOR, 4], [color, 1.5]])) {

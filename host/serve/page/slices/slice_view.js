@@ -2,6 +2,7 @@
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {isRegion} from '../panel/measures.js';
+import {endsOf, isOn, pointsMoved} from './slice_ends.js';
 import {SliceInput} from './slice_input.js';
 import {paintContours, paintCrosshair, paintImage, paintLetters, paintMarks}
   from './slice_paint.js';
@@ -10,6 +11,7 @@ import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js'
 import {paintValues} from './windows.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_ends.js').End} End */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
 /** @typedef {import('./slice_zoom.js').Zoom} Zoom */
 /** @typedef {import('./windows.js').Window} Window */
@@ -28,6 +30,8 @@ import {paintValues} from './windows.js';
  * @property {(voxel: Vector) => void} point        The user chose this voxel.
  * @property {(phase: Phase, voxel: Vector | null) => void} measure  The measuring tool was used at
  *     this place; null outside of the slice.
+ * @property {(phase: Phase, end: End, voxel: Vector | null) => void} end  A pointer drags an end of
+ *     a measurement to this place; null if it stops.
  * @property {(value: number) => void} tissue       The tissue tool picked this value.
  * @property {(voxel: Vector | null, value: number | null) => void} hover
  * @property {(by: number) => void} step            To the next slices.
@@ -38,6 +42,8 @@ import {paintValues} from './windows.js';
 
 /** @typedef {'press' | 'move' | 'release' | 'cancel' | 'end'} Phase  'end': of a path. */
 /** @typedef {{voxel: Vector, value: number}} Under  The voxel is not rounded. */
+
+const HALF = 0.5;   // Of a pixel.
 
 /** @type {Look} */
 const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
@@ -162,6 +168,57 @@ export class SliceView {
     this.draw();
   }
 
+  /**
+   * The end of a measurement that a pointer grabs, if any.
+   * @param {[number, number]} place  CSS pixels of the view.
+   * @param {number} reach            Likewise.
+   * @returns {End | null}
+   */
+  endAt(place, reach) {
+    const slice = this.slice_;
+    let [least, found] = [reach, /** @type {End | null} */ (null)];
+    for (const mark of slice ? this.marks_.filter(each => isOn(slice, each)) : []) {
+      (slice ? endsOf(slice, mark) : []).forEach((voxel, end) => {
+        const [x, y] = slice ? this.voxelPlace_(slice, voxel) : [0, 0];
+        const far = Math.hypot(x - place[0], y - place[1]);
+        if (mark.name && far <= least) {
+          [least, found] = [far, {name: mark.name, end}];
+        }
+      });
+    }
+    return found;
+  }
+
+  /**
+   * Whether the shown slice is the nearest one to a voxel.
+   * @param {Vector} voxel
+   */
+  shows(voxel) {
+    const slice = this.slice_;
+    return slice !== null && isOn(slice, {voxels: [voxel]});
+  }
+
+  /**
+   * Whether a place is in the rectangle of the shown slice.
+   * @param {Vector} voxel
+   */
+  isInside(voxel) {
+    const slice = this.slice_;
+    const [x, y] = slice ? pixelAt(slice, this.size_, voxel) : [-1, -1];
+    return slice !== null && x >= -HALF && y >= -HALF && x <= slice.width - HALF &&
+      y <= slice.height - HALF;
+  }
+
+  /**
+   * The points of a measurement on this slice after an end has moved.
+   * @param {Vector[]} voxels
+   * @param {number} end
+   * @param {Vector} to
+   */
+  pointsMoved(voxels, end, to) {
+    return this.slice_ ? pointsMoved(this.slice_, voxels, end, to) : voxels;
+  }
+
   /** Which slice is shown, if any. */
   get shown() {
     return this.slice_ && {axis: this.slice_.axis, index: this.slice_.index};
@@ -205,11 +262,23 @@ export class SliceView {
    * @returns {Vector | null}
    */
   besideCrosshair(across, down) {
-    if (!this.slice_ || !this.crosshair_) {
+    return this.crosshair_ && this.beside(this.crosshair_, across, down);
+  }
+
+  /**
+   * A place of the shown slice beside a voxel; null without a slice.
+   * @param {Vector} voxel
+   * @param {number} across   Pixels of the slice.
+   * @param {number} down
+   * @returns {Vector | null}
+   */
+  beside(voxel, across, down) {
+    const slice = this.slice_;
+    if (!slice) {
       return null;
     }
-    const [x, y] = pixelAt(this.slice_, this.size_, this.crosshair_);
-    return voxelAt(this.slice_, this.size_, x + across, y + down);
+    const [x, y] = pixelAt(slice, this.size_, voxel);
+    return voxelAt(slice, this.size_, x + across, y + down);
   }
 
   /**

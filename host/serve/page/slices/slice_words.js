@@ -3,6 +3,26 @@
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 /** @typedef {import('../link/vocabulary.js').ClipState} ClipState */
 
+const LEAST_TILT_DEG = 0.1;  // Smaller angles are rounding errors of the file.
+
+/**
+ * Where slices differ from the scan; empty if they do not.
+ * @param {import('../link/vocabulary.js').VolumeState | null} volume
+ * @param {number} skew_deg
+ */
+export function differing(volume, skew_deg) {
+  const gaps = volume?.gaps ?? 0;
+  const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
+  const isGantry = volume?.modality === 'CT';
+  return [
+    gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
+      'a gap are taller.' : '',
+    isTilted ? `The ${isGantry ? 'gantry was tilted' : 'slices are sheared'} by ` +
+      `${Math.abs(skew_deg).toFixed(1)}°. Slices across the ${isGantry ? 'tilt' : 'shear'} ` +
+      'are drawn without shear.' : '',
+  ].filter(Boolean).join(' ');
+}
+
 /**
  * What slices show and the picture hides; empty if both show the same.
  * @param {{surfaces: SurfaceState[], clips: ClipState[]}} state

@@ -8,7 +8,7 @@ import {planesOf} from './slice_planes.js';
 import {SliceSettings} from './slice_settings.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
-import {beyond} from './slice_words.js';
+import {beyond, differing} from './slice_words.js';
 import {limitedTimes} from './slice_zoom.js';
 import {WindowControls} from './window_controls.js';
 
@@ -18,11 +18,15 @@ import {WindowControls} from './window_controls.js';
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
 const REST_MS = 250;        // A dragged isovalue rests after this time.
-const LEAST_TILT_DEG = 0.1;  // Smaller angles are rounding errors of the file.
 const EMPTY = 'No volume is open. Open a volume to see its slices.';
 
 /** @typedef {{view: SliceView, source: SliceSource, element: HTMLElement,
  *   slider: HTMLInputElement, count: HTMLElement}} Pane */
+
+/** @param {Pane} pane */
+function isLarge({element}) {
+  return element.classList.contains('large');
+}
 
 class SlicesPanel {
   /**
@@ -64,7 +68,10 @@ class SlicesPanel {
       this.panes.forEach(({view}) => view.repaint(through)));
     this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
       this.window.more);
-    this.measure = new SliceMeasure(app, this.message, () => this.mark());
+    this.measure = new SliceMeasure(app, this.message, {changed: () => this.mark(),
+      point: voxel => this.point(voxel),
+      views: () => [...this.panes].sort((a, b) => Number(isLarge(b)) - Number(isLarge(a)))
+        .map(({view}) => view)});
     this.build();
     this.listen();
   }
@@ -89,7 +96,7 @@ class SlicesPanel {
       h('div', {class: 'tool-row'}, this.tools.element, this.target, this.measure.kind,
         this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
-      this.beyond, this.grid, this.readout, this.notes);
+      this.beyond, this.grid, this.readout, this.notes, this.measure.list.element);
   }
 
   /** A click sets an isovalue while the tissue mode is on. */
@@ -111,6 +118,8 @@ class SlicesPanel {
     const view = new SliceView(PLANES[number], {
       point: voxel => this.point(voxel),
       measure: (phase, voxel) => this.volume && this.measure.take(phase, voxel, view, this.volume),
+      end: (phase, end, voxel) =>
+        this.volume && this.measure.drag(phase, end, voxel, view, this.volume),
       tissue: value => this.tissue(value),
       hover: (voxel, value) => this.hover(voxel, value),
       step: by => this.step(number, by),
@@ -171,7 +180,7 @@ class SlicesPanel {
         [name, isovalue, color, visible]));
       if (contours !== this.contours) {
         this.contours = contours;
-        this.refresh(({element}) => element.classList.contains('large'));
+        this.refresh(isLarge);
         clearTimeout(this.resting);
         this.resting = setTimeout(() => this.refresh(), REST_MS);
       }
@@ -238,16 +247,7 @@ class SlicesPanel {
     const left = PLANES.map((plane, each) => this.leftOut[each].length > 0
       ? `${plane}: too many lines. Contours of ${this.leftOut[each].join(', ')} are incomplete.`
       : '');
-    const gaps = this.volume?.gaps ?? 0;
-    const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
-    const isGantry = this.volume?.modality === 'CT';
-    this.notes.textContent = [...left,
-      gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
-        'a gap are taller.' : '',
-      isTilted ? `The ${isGantry ? 'gantry was tilted' : 'slices are sheared'} by ` +
-        `${Math.abs(skew_deg).toFixed(1)}°. Slices across the ${isGantry ? 'tilt' : 'shear'} ` +
-        'are drawn without shear.' : '',
-    ].filter(Boolean).join(' ');
+    this.notes.textContent = [...left, differing(this.volume, skew_deg)].filter(Boolean).join(' ');
   }
 
   /**

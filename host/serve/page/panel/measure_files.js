@@ -1,0 +1,43 @@
+// Files of measurements: CSV and JSON.
+import {isRegion} from './measures.js';
+
+/** @typedef {import('./measures.js').Kind} Kind */
+/** @typedef {import('./measures.js').Measure} Measure */
+
+/**
+ * Units as files have them.
+ * @param {Kind} kind
+ */
+function unitOf(kind) {
+  return kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
+}
+
+const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
+  'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit'];
+
+/**
+ * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
+ * @param {readonly Measure[]} measures
+ * @param {{name: string, unit: string}} volume
+ */
+export function csvOf(measures, volume) {
+  const lines = measures.map(({name, kind, value, points_mm, slice, values}) => [volume.name, name,
+    kind, value, unitOf(kind), points_mm.map(p => p.join(' ')).join('; '),
+    ...slice ? [slice.axis, slice.index] : ['', ''],
+    ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
+      volume.unit] : ['', '', '', '', '', '']]);
+  const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
+    ? `"${String(each).replaceAll('"', '""')}"` : String(each);
+  return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');
+}
+
+/**
+ * The same as JSON.
+ * @param {readonly Measure[]} measures
+ * @param {{name: string, unit: string}} volume
+ */
+export function jsonOf(measures, {name, unit}) {
+  return `${JSON.stringify({volume: name, value_unit: unit, positions: 'mm, LPS',
+    measurements: measures.map(({slice, ...measure}) => ({...measure, unit: unitOf(measure.kind),
+      ...slice && {voxel_axis: slice.axis, voxel_index: slice.index}}))}, null, 2)}\n`;
+}

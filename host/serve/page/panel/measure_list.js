@@ -1,0 +1,149 @@
+// The list of measurements: names, values, and the ends of the chosen one.
+import {h, setText} from '../elements/dom.js';
+import {KIND_TITLES, endTitle, measureText, valuesText} from './measures.js';
+
+/** @typedef {import('./measures.js').Measure} Measure */
+
+const FAR = 10;             // Steps of an arrow key with Shift.
+const MOVES = new Map([['ArrowLeft', [-1, 0]], ['ArrowRight', [1, 0]], ['ArrowUp', [0, -1]],
+  ['ArrowDown', [0, 1]]]);
+
+/**
+ * How a panel moves the ends of measurements.
+ * @typedef {object} Mover
+ * @property {(measure: Measure) => string} refusal  Why it cannot; empty if it can.
+ * @property {string} hint                           What the arrow keys do.
+ * @property {(measure: Measure, end: number) => void} look   The end has the focus.
+ * @property {(measure: Measure, end: number, across: number, down: number) => void} move
+ * @property {() => void} leave                      The focus is lost: the movement is over.
+ */
+
+/** @typedef {{element: HTMLElement, shape: string, update: (measure: Measure) => void}} Row */
+
+export class MeasureList {
+  /**
+   * @param {import('./app.js').App} app
+   * @param {string} testid      Before the names of all its elements for tests.
+   * @param {Mover} mover
+   * @param {{say: (text: string) => void, fail: (text: string) => void}} message
+   */
+  constructor(app, testid, mover, message) {
+    /** @private */ this.app_ = app;
+    /** @private */ this.testid_ = testid;
+    /** @private */ this.mover_ = mover;
+    /** @private */ this.message_ = message;
+    /** @private @type {Map<string, Row>} */ this.rows_ = new Map();
+    this.element = h('ul', {class: 'distances', 'data-testid': `${testid}-list`,
+      'aria-label': 'Measurements'});
+    app.measures.watch(() => this.show());
+  }
+
+  /** Changes only what differs, so that the focus stays in an end that moves. */
+  show() {
+    const {measures} = this.app_;
+    const rows = measures.list.map(measure => {
+      const isChosen = measure.name === measures.chosen;
+      const shape = `${measure.kind} ${isChosen && measure.points_mm.length}`;
+      const known = this.rows_.get(measure.name);
+      const row = known?.shape === shape ? known : this.row_(measure, isChosen, shape);
+      row.update(measure);
+      return /** @type {const} */ ([measure.name, row]);
+    });
+    this.rows_ = new Map(rows);
+    const elements = rows.map(([, {element}]) => element);
+    const isSame = elements.length === this.element.childElementCount &&
+      elements.every((element, k) => element === this.element.children[k]);
+    if (!isSame) {
+      this.element.replaceChildren(...elements);
+    }
+  }
+
+  /**
+   * @private
+   * @param {Measure} measure
+   * @param {boolean} isChosen
+   * @param {string} shape
+   * @returns {Row}
+   */
+  row_({name, kind, points_mm}, isChosen, shape) {
+    const {measures} = this.app_;
+    const value = h('b', {class: 'number'}), values = h('div', {class: 'legend'});
+    const choose = h('button', {type: 'button', class: 'quiet badge', 'aria-expanded': isChosen,
+      'aria-label': `Measurement ${name}`, title: 'Shows its ends and its name',
+      'data-testid': `${this.testid_}-choose-${name}`, onclick: () => {
+        measures.choose(isChosen ? '' : name);
+        /** @type {HTMLElement | null | undefined} */
+        (this.rows_.get(name)?.element.querySelector('.badge'))?.focus();
+      }}, name);
+    const element = h('li', {class: isChosen ? 'chosen' : ''}, h('div', {class: 'tool-row'}, choose,
+      h('div', {class: 'grow'}, value,
+        kind !== 'distance' && h('span', {class: 'legend'},
+          ` ${KIND_TITLES[kind].toLowerCase()}`), values),
+      h('button', {type: 'button', class: 'quiet', 'aria-label': `Delete measurement ${name}`,
+        title: 'Delete', 'data-testid': `${this.testid_}-delete-${name}`,
+        onclick: () => measures.remove(name)}, '×')),
+    isChosen && this.more_(name, points_mm.length));
+    return {element, shape, update: measure => {
+      setText(value, measureText(measure));
+      const unit = this.app_.store.state?.volume?.unit ?? '';
+      setText(values, measure.values ? valuesText(measure.values, unit) : '');
+    }};
+  }
+
+  /**
+   * Name and ends of the chosen measurement.
+   * @private
+   * @param {string} name
+   * @param {number} count  Of its ends.
+   */
+  more_(name, count) {
+    const {measures} = this.app_;
+    const field = h('input', {type: 'text', value: name, maxlength: 60,
+      'aria-label': `Name of measurement ${name}`, 'data-testid': `${this.testid_}-name`,
+      onchange: () => {
+        const refusal = measures.rename(name, field.value);
+        if (refusal) {
+          field.value = name;
+          this.message_.fail(refusal);
+        }
+      }});
+    return h('div', {class: 'tool-row'}, h('label', {class: 'number-field'}, 'Name', field),
+      ...Array.from({length: count}, (_, end) => this.end_(name, end, count)));
+  }
+
+  /**
+   * @private
+   * @param {string} name
+   * @param {number} end
+   * @param {number} count
+   */
+  end_(name, end, count) {
+    const {measures} = this.app_, mover = this.mover_;
+    /** @param {(measure: Measure) => void} act */
+    const withMeasure = act => {
+      const measure = measures.named(name);
+      const refusal = measure ? mover.refusal(measure) : '';
+      if (measure && !refusal) {
+        act(measure);
+      } else if (refusal) {
+        this.message_.fail(refusal);
+      }
+    };
+    const title = endTitle(measures.named(name)?.kind ?? 'path', end, count);
+    return h('button', {type: 'button', 'data-testid': `${this.testid_}-end-${end}`,
+      'aria-label': `${title} of measurement ${name}. ${mover.hint}`, title: mover.hint,
+      onfocus: () => withMeasure(measure => {
+        this.message_.say(mover.hint);
+        mover.look(measure, end);
+      }),
+      onblur: () => mover.leave(),
+      onkeydown: (/** @type {KeyboardEvent} */ event) => {
+        const move = MOVES.get(event.key), far = event.shiftKey ? FAR : 1;
+        if (move && !event.ctrlKey && !event.metaKey && !event.altKey) {
+          event.preventDefault();
+          event.stopPropagation();
+          withMeasure(measure => mover.move(measure, end, move[0] * far, move[1] * far));
+        }
+      }}, title);
+  }
+}
