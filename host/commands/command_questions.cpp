@@ -2,7 +2,10 @@
 #include <fmt/core.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
+#include <optional>
 
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
@@ -54,6 +57,68 @@ void write_slice(Session& session, const Arguments& arguments, const Slice& slic
         extras.marks = drawn.marks;
     }
     session.exports.pictures({&drawn.picture, 1}, arguments.words[2], extras);
+}
+
+/// Nothing for a single slice.
+std::optional<SlabWish> parse_slab(const Arguments& arguments) {
+    const double thickness_mm = arguments.number("slab", 0);
+    if (thickness_mm == 0 && arguments.has("kind")) {
+        refuse_command(
+            fmt::format("slice: kind={} needs a slab, but slab= is {}. Give its thickness in mm, "
+                        "for example slab=10",
+                        arguments.text("kind", ""), arguments.has("slab") ? "0" : "missing"));
+    }
+    if (thickness_mm == 0) {
+        return std::nullopt;
+    }
+    const std::string kind = arguments.text("kind", "max");
+    const auto at = std::ranges::find(slab_kinds, kind) - slab_kinds.begin();
+    return SlabWish{thickness_mm, static_cast<SlabKind>(at)};
+}
+
+std::string slab_words(const SlabWish& wish, const SlabRange& range) {
+    constexpr std::array words = {"mean", "maximum", "minimum"};
+    return fmt::format("{} of slices {} to {}", words.at(static_cast<std::size_t>(wish.kind)),
+                       range.first, range.last);
+}
+
+Fields slab_fields(const SlabWish& wish, const SlabRange& range) {
+    return {{"thickness_mm", wish.thickness_mm},
+            {"kind", std::string(slab_kinds.at(static_cast<std::size_t>(wish.kind)))},
+            {"slices", std::vector<std::int64_t>{range.first, range.last}}};
+}
+
+std::string contour_text(const std::vector<SurfaceContour>& contours,
+                         const std::vector<std::string>& hidden) {
+    std::string text;
+    for (const SurfaceContour& contour : contours) {
+        text += fmt::format("\n{}: {} pieces of contour at {:.6g}", contour.surface->name,
+                            contour.pieces.size(), contour.surface->isovalue);
+    }
+    if (!hidden.empty()) {
+        text += fmt::format("\nthe 3D picture hides parts that the slice shows: {}",
+                            fmt::join(hidden, ", "));
+    }
+    return text;
+}
+
+Fields slice_fields(const SliceFrame& frame, const std::vector<SurfaceContour>& contours,
+                    const std::vector<std::string>& hidden) {
+    const SliceSide &across = frame.across, &down = frame.down;
+    std::int64_t pieces = 0;
+    for (const SurfaceContour& contour : contours) {
+        pieces += static_cast<std::int64_t>(contour.pieces.size());
+    }
+    return {{"size", std::vector<std::int64_t>{across.count, down.count}},
+            {"spacing", std::vector<double>{across.spacing_mm, down.spacing_mm}},
+            {"letters", Fields{{"left", across.begin},
+                               {"right", across.end},
+                               {"top", down.begin},
+                               {"bottom", down.end}}},
+            {"skew_deg", frame.skew_deg},
+            {"reduction", std::int64_t{1}},
+            {"contours", pieces},
+            {"hidden_in_3d", hidden}};
 }
 
 /// One end of a length.
@@ -116,45 +181,35 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     const int axis = arguments.words[0][0] - 'x';
     const int count = axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz;
     const int index = parse_whole("INDEX", arguments.words[1], 0, count - 1);
-    const Slice slice = session.voxels.slice(axis, index);
-    const SliceSide &across = slice.frame.across, &down = slice.frame.down;
-    const std::vector<SurfaceContour> contours = contours_of(session.scene, slice);
+    const std::optional<SlabWish> wish = parse_slab(arguments);
+    const Slab slab = wish ? session.voxels.slab(axis, index, *wish)
+                           : Slab{session.voxels.slice(axis, index), {}, {index, index}};
+    const SliceFrame& frame = slab.middle.frame;
+    const std::vector<SurfaceContour> contours = contours_of(session.scene, slab.middle);
     std::string title = fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1);
 
     Reply reply;
     reply.text = fmt::format(
         "{}: {} x {} voxels of {:.4g} x {:.4g} mm; {} on the left, {} on the right, {} on top, {} "
         "at the bottom",
-        title, across.count, down.count, across.spacing_mm, down.spacing_mm, across.begin,
-        across.end, down.begin, down.end);
-    if (slice.frame.skew_deg > max_skew_deg) {
+        title, frame.across.count, frame.down.count, frame.across.spacing_mm, frame.down.spacing_mm,
+        frame.across.begin, frame.across.end, frame.down.begin, frame.down.end);
+    if (frame.skew_deg > max_skew_deg) {
         add_warning(reply, fmt::format("its rows and columns are {:.1f} degrees off a right "
                                        "angle, and are shown at one",
-                                       slice.frame.skew_deg));
-    }
-    std::int64_t pieces = 0;
-    for (const SurfaceContour& contour : contours) {
-        pieces += static_cast<std::int64_t>(contour.pieces.size());
-        reply.text += fmt::format("\n{}: {} pieces of contour at {:.6g}", contour.surface->name,
-                                  contour.pieces.size(), contour.surface->isovalue);
+                                       frame.skew_deg));
     }
     const std::vector<std::string> hidden = hidden_in_3d(session.scene, contours);
-    if (!hidden.empty()) {
-        reply.text += fmt::format("\nthe 3D picture hides parts that the slice shows: {}",
-                                  fmt::join(hidden, ", "));
+    reply.text += contour_text(contours, hidden);
+    reply.fields = slice_fields(frame, contours, hidden);
+    if (wish) {
+        const std::string words = slab_words(*wish, slab.range);
+        reply.text += fmt::format("\n{}, {:.6g} mm thick", words, wish->thickness_mm);
+        title += ", " + words;
+        reply.fields.push_back({"slab", slab_fields(*wish, slab.range)});
     }
-    reply.fields = {{"size", std::vector<std::int64_t>{across.count, down.count}},
-                    {"spacing", std::vector<double>{across.spacing_mm, down.spacing_mm}},
-                    {"letters", Fields{{"left", across.begin},
-                                       {"right", across.end},
-                                       {"top", down.begin},
-                                       {"bottom", down.end}}},
-                    {"skew_deg", slice.frame.skew_deg},
-                    {"reduction", std::int64_t{1}},
-                    {"contours", pieces},
-                    {"hidden_in_3d", hidden}};
     if (arguments.words.size() > 2) {
-        write_slice(session, arguments, slice, contours, title);
+        write_slice(session, arguments, wish ? slab.values : slab.middle, contours, title);
         if (volume.reduced && volume.modality != "CT" &&
             !(arguments.has("window") && arguments.has("level"))) {
             add_warning(reply, fmt::format("the window follows from the values of one voxel in {} "

@@ -4,6 +4,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_tables.hpp"
 #include "host/commands/load_options.hpp"
+#include "host/scene/slab.hpp"
 #include "host/surface/atlas/histogram.hpp"
 
 namespace pxpl5::host {
@@ -66,7 +67,13 @@ std::vector<Command> volume_commands() {
                     output_value("FILE", picture_suffixes, "picture to write")},
           .required = 2,
           .options = {number_value("window", "W", 1e-12, 1e12, "width of the gray window"),
-                      number_value("level", "L", -1e12, 1e12, "center of the gray window")},
+                      number_value("level", "L", -1e12, 1e12, "center of the gray window"),
+                      number_value("slab", "MM", 0, max_place_mm,
+                                   "show a slab of this thickness around the slice; its contours "
+                                   "are those of the slice"),
+                      choice_value("kind", slab_kinds,
+                                   "mean, maximum (MIP) or minimum of the voxels of the slab",
+                                   "max")},
           .stage = RenderStage::output},
          run_slice},
     };

@@ -117,6 +117,20 @@ Slice Voxels::slice(int axis, int index) {
                           fetch({first[0], first[1], first[2], size[0], size[1], size[2]}));
 }
 
+Slab Voxels::slab(int axis, int index, const SlabWish& wish) {
+    Slab slab{{}, {}, slab_range(volumes_.volume(), axis, index, wish.thickness_mm)};
+    SlabGather gather(wish.kind);
+    for (int i = slab.range.first; i <= slab.range.last; ++i) {
+        Slice each = slice(axis, i);
+        gather.add(each);
+        if (i == index) {
+            slab.middle = std::move(each);
+        }
+    }
+    slab.values = gather.finish();
+    return slab;
+}
+
 void Voxels::add_values(Pick& pick) {
     if (!volumes_.has_volume() || !volumes_.volume().reduced) {
         return;

@@ -5,10 +5,17 @@
 #include <vector>
 
 #include "host/scene/pick.hpp"
+#include "host/scene/slab.hpp"
 #include "host/scene/slice.hpp"
 #include "host/session/volumes.hpp"
 
 namespace pxpl5::host {
+
+/// A slab and the slice in its middle.
+struct Slab {
+    Slice middle, values;
+    SlabRange range;
+};
 
 class Voxels {
   public:
@@ -20,6 +27,10 @@ class Voxels {
     /// index  0 .. voxels along the axis - 1 (asserted).
     /// Throws RequestError without a volume, after a cancellation and for a GP's fault.
     Slice slice(int axis, int index);
+    /// Returns the slab around slice `index`, from all voxels. Fetches one slice after the other,
+    /// so that the memory does not depend on the thickness. Arguments and exceptions as for
+    /// slice().
+    Slab slab(int axis, int index, const SlabWish& wish);
     /// Sets the values of a pick that has none, because the host keeps a reduced copy. Leaves other
     /// picks as they are. Throws as slice().
     void add_values(Pick& pick);

@@ -2,12 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "generated/page_schema.hpp"
 #include "host/base/error.hpp"
+#include "host/commands/command_handlers.hpp"
 #include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
 
@@ -101,6 +104,26 @@ Json json_of(const SliceFrame& frame, Scalar type) {
             {"flips", {across.is_flipped, down.is_flipped}}};
 }
 
+/// Nothing for a single slice.
+std::optional<SlabWish> slab_of(const Json& ask) {
+    const auto found = ask.find("slab_mm");
+    if (found == ask.end() || *found == 0) {
+        return std::nullopt;
+    }
+    const double thickness_mm = found->is_number() ? found->get<double>() : -1;
+    if (!(thickness_mm > 0 && thickness_mm <= max_place_mm)) {
+        refuse(fmt::format("ask: 'slab_mm' is {}; it must be a number from 0 to {}", shown(*found),
+                           max_place_mm));
+    }
+    constexpr const char* may_be = R"("mean", "max" or "min")";
+    const std::string name = text_of(ask, "kind", may_be);
+    const auto* const kind = std::ranges::find(slab_kinds, name);
+    if (kind == slab_kinds.end()) {
+        refuse(fmt::format("ask: 'kind' is {}; it must be {}", shown(name), may_be));
+    }
+    return SlabWish{thickness_mm, static_cast<SlabKind>(kind - slab_kinds.begin())};
+}
+
 Answer answer_slice(Session& session, const Json& ask) {
     const Volume& volume = session.volumes.volume();
     const std::string name = text_of(ask, "axis", "\"x\", \"y\" or \"z\"");
@@ -110,10 +133,21 @@ Answer answer_slice(Session& session, const Json& ask) {
     }
     const std::array counts = {volume.nx, volume.ny, volume.nz};
     const auto index = whole_of(ask, "index", 0, counts[axis] - 1);
-    const Slice slice = session.voxels.slice(static_cast<int>(axis), static_cast<int>(index));
-    Answer answer{"", slice.values};
+    const std::optional<SlabWish> wish = slab_of(ask);
+    const int along = static_cast<int>(axis), at = static_cast<int>(index);
+    const Slab slab = wish ? session.voxels.slab(along, at, *wish)
+                           : Slab{session.voxels.slice(along, at), {}, {at, at}};
+    const Slice& slice = slab.middle;
+    const Slice& shown_values = wish ? slab.values : slice;
+    Answer answer{"", shown_values.values};
     pad(answer.bytes);
-    Json json = json_of(slice.frame, slice.type);
+    Json json = json_of(slice.frame, shown_values.type);
+    if (wish) {
+        json["slab"] = {{"thickness_mm", wish->thickness_mm},
+                        {"kind", slab_kinds.at(static_cast<std::size_t>(wish->kind))},
+                        {"slices", {slab.range.first, slab.range.last}},
+                        {"type", enum_name(slice.type)}};
+    }
     json["contours"] = Json::array();
     std::size_t first = 0;
     for (const SurfaceContour& contour : contours_of(session.scene, slice)) {
@@ -128,6 +162,9 @@ Answer answer_slice(Session& session, const Json& ask) {
             append(answer.bytes, contour.pieces.data(), count);
             first += count;
         }
+    }
+    if (wish) {
+        append(answer.bytes, slice.values.data(), slice.values.size());
     }
     answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
     return answer;

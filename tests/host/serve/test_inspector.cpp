@@ -100,6 +100,50 @@ TEST_SUITE("inspector") {
         CHECK(pieces > 50);
         CHECK(answer.bytes.size() == padded + pieces * 4 * sizeof(float));
     }
+    TEST_CASE("a slab's bytes are its values, the contours of its middle, and the middle") {
+        Loaded shown("phantom:torus");  // 80 x 64 x 32 voxels of uint16.
+        Session& session = shown.session;
+        session.surfaces.set("ring", 30000.5, CaseRule::watertight, {1, 2, 255});
+        const auto asked = [&](const char* slab) {
+            return serve::answer(session,
+                                 fmt::format(R"({{"ask":"slice","axis":"z","index":12{}}})", slab));
+        };
+        const serve::Answer single = asked("");
+        const json alone = json::parse(single.json);
+        CHECK(!alone.contains("slab"));
+        CHECK(asked(R"(,"slab_mm":0)").bytes == single.bytes);
+        const std::size_t count = 80 * 64, middle_bytes = 2 * count;
+        for (const auto& [kind, bytes] : {std::pair{"mean", 4}, {"max", 2}, {"min", 2}}) {
+            CAPTURE(kind);
+            const serve::Answer answer =
+                asked(fmt::format(R"(,"slab_mm":1e5,"kind":"{}")", kind).c_str());
+            const json told = json::parse(answer.json);
+            CHECK(told["slab"] == json({{"thickness_mm", 1e5},
+                                        {"kind", kind},
+                                        {"slices", {0, 31}},
+                                        {"type", "uint16"}}));
+            CHECK(told["type"] == (bytes == 4 ? "float32" : "uint16"));
+            CHECK(told["contours"] == alone["contours"]);
+            // Behind the values are the contours and the middle, as in the single slice.
+            const std::size_t values = static_cast<std::size_t>(bytes) * count;
+            const std::size_t lines = single.bytes.size() - middle_bytes;
+            REQUIRE(answer.bytes.size() == values + lines + middle_bytes);
+            CHECK(std::memcmp(answer.bytes.data() + values, single.bytes.data() + middle_bytes,
+                              lines) == 0);
+            CHECK(std::memcmp(answer.bytes.data() + values + lines, single.bytes.data(),
+                              middle_bytes) == 0);
+        }
+        for (const char* wrong : {"-1", "1e7", "\"3\"", "null"}) {
+            CHECK(refused(session, fmt::format(R"({{"ask":"slice","axis":"z","index":1,)"
+                                               R"("slab_mm":{},"kind":"max"}})",
+                                               wrong))
+                      .ends_with("; it must be a number from 0 to 1000000"));
+        }
+        CHECK(refused(session, R"({"ask":"slice","axis":"z","index":1,"slab_mm":2})") ==
+              R"(ask: 'kind' is missing; it must be "mean", "max" or "min")");
+        CHECK(refused(session, R"({"ask":"slice","axis":"z","index":1,"slab_mm":2,"kind":"a"})") ==
+              R"(ask: 'kind' is "a"; it must be "mean", "max" or "min")");
+    }
     TEST_CASE("contours are the edges of the surface that lie in the slice") {
         Loaded shown("phantom:pelvis");
         for (const CaseRule table : {CaseRule::watertight, CaseRule::asymptotic}) {
