@@ -19,6 +19,7 @@
 #include "host/serve/classroom/class_server.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/director/file_access.hpp"
+#include "host/serve/director/folder_list.hpp"
 #include "host/serve/director/inspector.hpp"
 #include "host/serve/job/job.hpp"
 #include "host/serve/limits/memory_limit.hpp"
@@ -42,8 +43,7 @@ struct RemovedAtEnd {
 FileAccess access_of(const ServeOptions& options, const ServerOptions& server) {
     std::vector<std::filesystem::path> others(options.machine.io_allow.begin(),
                                               options.machine.io_allow.end());
-    others.push_back(server.uploads);
-    return FileAccess(server.downloads, std::move(others));
+    return FileAccess(server.downloads, std::move(others), {server.uploads});
 }
 
 /// This computer's name for other computers.
@@ -110,14 +110,20 @@ std::optional<std::int64_t> end_by_user(const std::string& time_limit) {
                : std::optional(std::time(nullptr) + parse_duration("--time-limit", time_limit));
 }
 
+/// access  Must outlive the parts.
 DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machine>& machine,
-                       SessionNote& note) {
+                       const FileAccess& access, SessionNote& note) {
     DirectorParts parts;
     parts.topology = options.topology.name;
     parts.class_port = options.class_port;
     parts.clock_ns = now_ns;
-    parts.answer = [](Session& session, std::uint32_t id, std::string_view message) {
-        return answer_message(id, answer(session, message));
+    parts.check_command = [&access](const CommandDescriptor& command, const Arguments& arguments) {
+        access.check(command, arguments);
+    };
+    parts.answer = [&access](Session& session, std::uint32_t id, std::string_view message) {
+        return answer_message(id, asks_for_folder(message)
+                                      ? Answer{list_folder(access, message), {}}
+                                      : answer(session, message));
     };
     parts.machine_text = [](Session& session) { return json_text(activity_fields(session)); };
     parts.machine = machine;
@@ -208,11 +214,8 @@ int serve(const ServeOptions& options) {
         });
         FileAccess access = access_of(options, server_options);
         WebAudience audience(server);
-        DirectorParts parts = parts_of(options, machine, note);
+        DirectorParts parts = parts_of(options, machine, access, note);
         parts.downloads = server_options.downloads;
-        parts.check_command = [&](const CommandDescriptor& command, const Arguments& arguments) {
-            access.check(command, arguments);
-        };
         Director director(audience, std::move(parts));
         director.session().tell_opened = [&note](const std::string& volume) {
             change(note, [&](SessionFacts& facts) { facts.volume = volume; });

@@ -36,9 +36,9 @@ bool is_hidden_within(const fs::path& folder, const fs::path& path) {
     return std::any_of(std::ranges::mismatch(folder, path).in2, path.end(), is_hidden);
 }
 
-[[noreturn]] void refuse_path(const CommandDescriptor& command, const std::string& path,
+[[noreturn]] void refuse_path(std::string_view who, const std::string& path,
                               const std::string& reason) {
-    refuse_command(fmt::format("{}: {} {}", command.name, path, reason));
+    refuse_command(fmt::format("{}: {} {}", who, path, reason));
 }
 
 /// The files that are there under a name with any number for "{}".
@@ -91,11 +91,16 @@ bool may_be_mesh_file(const CommandDescriptor& command, const std::string& word)
 
 }  // namespace
 
-FileAccess::FileAccess(fs::path downloads, std::vector<fs::path> others)
+FileAccess::FileAccess(fs::path downloads, std::vector<fs::path> others, std::vector<fs::path> own)
     : downloads_(real_path(downloads)) {
     folders_.push_back(downloads_);
     for (const fs::path& folder : others) {
         folders_.push_back(real_path(folder));
+    }
+    own_.push_back(downloads_);
+    for (const fs::path& folder : own) {
+        own_.push_back(real_path(folder));
+        folders_.push_back(own_.back());
     }
     std::erase(folders_, fs::path());
 }
@@ -138,24 +143,43 @@ void FileAccess::check(const CommandDescriptor& command, const Arguments& argume
             }
         } else if ((type == ValueType::file && is_path(command, word)) ||
                    may_be_mesh_file(command, word)) {
-            check_read(command, word);
+            check_read(command.name, word);
         }
     }
 }
 
-void FileAccess::check_read(const CommandDescriptor& command, const std::string& path) const {
+void FileAccess::check_read(std::string_view who, const std::string& path) const {
     const Place place = is_built_in(path) ? Place::allowed : place_of(real_path(path));
     if (place == Place::hidden) {
-        refuse_path(command, path,
+        refuse_path(who, path,
                     "is a hidden file or in a hidden folder, which the browser may not read. Start "
                     "serve with --allow and the hidden folder, or upload the file");
     }
     if (place == Place::outside) {
-        refuse_path(command, path,
+        refuse_path(who, path,
                     "is outside of the folders that the browser may read: the volume's, uploads, "
                     "downloads and those of --allow. Start serve with --allow DIR, or upload the "
                     "file");
     }
+}
+
+bool FileAccess::may_read(const fs::path& path) const {
+    return place_of(real_path(path)) == Place::allowed;
+}
+
+std::vector<fs::path> FileAccess::roots() const {
+    std::vector<fs::path> roots;
+    for (const fs::path& folder : folders_) {
+        const auto holds = [&folder](const fs::path& other) { return is_within(other, folder); };
+        std::error_code error;
+        if (std::ranges::count(own_, folder) > 0 || std::ranges::any_of(roots, holds) ||
+            !fs::is_directory(folder, error)) {
+            continue;
+        }
+        std::erase_if(roots, [&folder](const fs::path& root) { return is_within(folder, root); });
+        roots.push_back(folder);
+    }
+    return roots;
 }
 
 void FileAccess::check_write(const CommandDescriptor& command, const fs::path& file) const {
@@ -165,25 +189,25 @@ void FileAccess::check_write(const CommandDescriptor& command, const fs::path& f
     std::error_code unknown;
     const Place place = std::max(place_of(real), place_of(folder));
     if (place == Place::outside) {
-        refuse_path(command, path,
+        refuse_path(command.name, path,
                     "is outside of the folders that the browser may write: the volume's, uploads, "
                     "downloads and those of --allow. Write download:NAME, start serve with --allow "
                     "DIR, or run the command in the terminal");
     }
     if (is_hidden(file.filename()) || is_hidden(real.filename())) {
-        refuse_path(command, path,
+        refuse_path(command.name, path,
                     "is a hidden file, which the browser may not write. Choose a name without a "
                     "dot at its begin");
     }
     if (place == Place::hidden) {
-        refuse_path(command, path,
+        refuse_path(command.name, path,
                     "is in a hidden folder, which the browser may not write. Write download:NAME, "
                     "start serve with --allow and the hidden folder, or run the command in the "
                     "terminal");
     }
     if (!is_within(downloads_, real) &&
         fs::exists(fs::symlink_status(folder / file.filename(), unknown))) {
-        refuse_path(command, path,
+        refuse_path(command.name, path,
                     "exists already, and the browser does not replace files beside downloads. "
                     "Choose another name, or write download:NAME");
     }

@@ -208,13 +208,14 @@ constexpr std::array questions = {Question{"slice", answer_slice}, Question{"scr
 
 Answer answer(Session& session, std::string_view message) {
     const Json ask = parse(message);
-    const std::string name = text_of(ask, "ask", "\"slice\" or \"scrub\"");
+    const std::string name = text_of(ask, "ask", "\"slice\", \"scrub\" or \"folder\"");
     for (const Question& question : questions) {
         if (question.name == name) {
             return question.answer(session, ask);
         }
     }
-    refuse(fmt::format("ask: 'ask' is {}; it must be \"slice\" or \"scrub\"", shown(name)));
+    refuse(fmt::format("ask: 'ask' is {}; it must be \"slice\", \"scrub\" or \"folder\"",
+                       shown(name)));
 }
 
 std::string answer_message(std::uint32_t id, const Answer& answer) {

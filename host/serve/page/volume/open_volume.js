@@ -1,6 +1,9 @@
 // Opens a volume: a path on the server's computer, dropped files, or a built-in volume.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
+import {createFileBrowser} from './file_browser.js';
+import {createOptions} from './open_options.js';
+import {createRecentFiles, rememberFile} from './recent_files.js';
 import {sourceOf} from './session_file.js';
 import {continueSession, openFiles} from './upload.js';
 
@@ -40,6 +43,8 @@ export function createOpenDialog(app) {
     options.root.hidden = app.session.wanting !== null;  // The session has its own options.
     if (!dialog.open) {
       dialog.showModal();
+      recent.show();
+      void browser.show();
     }
   };
   /**
@@ -55,6 +60,9 @@ export function createOpenDialog(app) {
     const reply = await app.connection.do(`load ${word(source)}${given}`, {quiet: true});
     isLoading = false;
     if (reply.ok) {
+      if (!UPLOAD.test(source) && !source.startsWith('phantom:')) {
+        rememberFile(source);
+      }
       options.clear();
       dialog.close();
       return;
@@ -100,6 +108,21 @@ export function createOpenDialog(app) {
     app.session.wanting = null;
     void load(`phantom:${name}`, options.words());
   };
+  const openPath = () => {
+    const source = path.value.trim() || dropped;
+    if (source !== '' && app.session.wanting) {
+      dialog.close();
+      void continueSession(app, source);
+    } else if (source !== '') {
+      void load(source, options.words());
+    }
+  };
+  const pick = (/** @type {string} */ chosen) => { path.value = chosen; };
+  const browser = createFileBrowser(app, {pick, open: openPath});
+  const recent = createRecentFiles(chosen => {
+    pick(chosen);
+    openPath();
+  });
   const files = fileInput(open, false), folder = fileInput(open, true);
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'open-title'}, 'Open a volume'),
@@ -107,18 +130,12 @@ export function createOpenDialog(app) {
         onclick: dismiss}, '×')),
     h('form', {method: 'dialog', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
-      const source = path.value.trim() || dropped;
-      if (source !== '' && app.session.wanting) {
-        dialog.close();
-        void continueSession(app, source);
-      } else if (source !== '') {
-        void load(source, options.words());
-      }
+      openPath();
     }},
       h('label', {for: 'open-path'}, 'File or DICOM folder on the computer that runs pxpl5'),
       h('div', {class: 'row'}, path,
         h('button', {class: 'primary', 'data-testid': 'open-go'}, 'Open')),
-      wrong, series.root, options.root),
+      wrong, series.root, browser.root, recent.root, options.root),
     h('p', {}, 'From this computer'),
     h('div', {class: 'drop row', 'data-testid': 'drop'},
       h('span', {class: 'grow muted'}, 'Drop files or a DICOM folder anywhere on the page, or'),
@@ -142,54 +159,6 @@ export function createOpenDialog(app) {
       say('');
       path.focus();
     }
-  };
-}
-
-/** The options of `load`. */
-function createOptions() {
-  const rows = /** @type {const} */ ([
-    ['crop', 'Crop', 'First and last voxel, e.g. 10:90,0:127,5:40'],
-    ['resample', 'Resample', 'Number of voxels, e.g. 128x128x64'],
-    ['resample_mm', 'Resample (mm)', 'New spacing in mm, e.g. 1,1,1'],
-    ['smooth', 'Smooth', 'Standard deviation in mm, e.g. 1.5'],
-    ['series', 'Series', 'Series of a DICOM folder, e.g. 2'],
-    ['spacing', 'Spacing', 'In mm, if the file does not state it, e.g. 0.5,0.5,1'],
-    ['orientation', 'Orientation', 'Sides to which x, y, z point, if not stated, e.g. RAI'],
-    ['origin', 'Origin', 'First voxel in mm, LPS, if not stated, e.g. -120,-120,40'],
-    ['raw', 'Raw layout', 'Of a file without a header, e.g. 64x64x32,int16'],
-    ['read', 'Read by', 'The GPs each read their part of an uncompressed file, if it is large',
-      {'': 'host, or GPs above 8 GiB', host: 'host', gps: 'GPs'}],
-  ]).map(([key, label, title, choices]) => {
-    const given = {class: 'grow', id: `open-${key}`, title, 'data-testid': `open-${key}`};
-    const input = choices
-      ? h('select', given, ...Object.entries(choices).map(([value, text]) =>
-        h('option', {value}, text)))
-      : h('input', {...given, type: 'text', autocomplete: 'off'});
-    return {key, input, row: h('label', {class: 'row', title}, h('span', {class: 'field'}, label),
-      input, h('span', {class: 'muted example'}, title))};
-  });
-  const root = h('details', {},
-    h('summary', {}, 'Options for files, folders and built-in volumes'),
-    ...rows.map(({row}) => row));
-  return {
-    root,
-    /** Shows the option that an error names, for example series=N. */
-    hint: (/** @type {string} */ error) => {
-      const asked = rows.find(({key}) => error.includes(`${key}=`));
-      root.open ||= asked !== undefined;
-      asked?.input.focus();
-    },
-    /** For the next volume. */
-    clear: () => rows.forEach(({input}) => { input.value = ''; }),
-    /** @param {string} key  @param {string} value */
-    set: (key, value) => {
-      const row = rows.find(each => each.key === key);
-      if (row) {
-        row.input.value = value;
-      }
-    },
-    words: () => rows.filter(({input}) => input.value.trim() !== '')
-      .map(({key, input}) => ` ${key}=${word(input.value.trim())}`).join(''),
   };
 }
 
