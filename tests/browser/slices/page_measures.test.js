@@ -107,19 +107,23 @@ test('files have every number in full', () => {
   const measures = new Measures();
   measures.add({kind: 'distance', points_mm: [[0, 0, 0], [0, 0, 12.5]], value: 12.5});
   measures.add(REGION);
-  const [head, first, second, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
+  measures.add({...REGION, slice: {axis: 'z', index: 4, slab_mm: 7.5, slab_kind: 'max'}});
+  const [head, first, second, third, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
     .split('\r\n');
-  assert.equal(head.split(',').length, 14);
+  assert.equal(head.split(',').length, 16);
   const name = '"a, ""b"""';
-  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,`);
+  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,`);
   assert.equal(second,
-    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU`);
+    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,`);
+  assert.ok(third.endsWith('-12,60,HU,7.5,max'), third);
   assert.equal(end, '');
   const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
   assert.equal(json.volume, 'a "scan"');
-  assert.deepEqual(json.measurements.map(each => each.unit), ['mm', 'mm2']);
+  assert.deepEqual(json.measurements.map(each => each.unit), ['mm', 'mm2', 'mm2']);
   assert.deepEqual(json.measurements[1].values, REGION.values);
   assert.equal(json.measurements[1].voxel_index, 4);
+  assert.ok(!('slab_mm' in json.measurements[1]));
+  assert.deepEqual([json.measurements[2].slab_mm, json.measurements[2].slab_kind], [7.5, 'max']);
 });
 
 test('sessions are restored, also those that had distances alone', () => {

@@ -13,7 +13,8 @@ function unitOf(kind) {
 }
 
 const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
-  'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit'];
+  'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit', 'slab_mm',
+  'slab_kind'];
 
 /**
  * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
@@ -25,7 +26,7 @@ export function csvOf(measures, volume) {
     kind, value, unitOf(kind), points_mm.map(p => p.join(' ')).join('; '),
     ...slice ? [slice.axis, slice.index] : ['', ''],
     ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
-      volume.unit] : ['', '', '', '', '', '']]);
+      volume.unit] : ['', '', '', '', '', ''], slice?.slab_mm ?? '', slice?.slab_kind ?? '']);
   const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');
@@ -39,5 +40,6 @@ export function csvOf(measures, volume) {
 export function jsonOf(measures, {name, unit}) {
   return `${JSON.stringify({volume: name, value_unit: unit, positions: 'mm, LPS',
     measurements: measures.map(({slice, ...measure}) => ({...measure, unit: unitOf(measure.kind),
-      ...slice && {voxel_axis: slice.axis, voxel_index: slice.index}}))}, null, 2)}\n`;
+      ...slice && {voxel_axis: slice.axis, voxel_index: slice.index,
+        ...slice.slab_mm && {slab_mm: slice.slab_mm, slab_kind: slice.slab_kind}}}))}, null, 2)}\n`;
 }

@@ -1,6 +1,6 @@
 // The list of measurements: names, values, and the ends of the chosen one.
 import {h, setText} from '../elements/dom.js';
-import {KIND_TITLES, endTitle, measureText, valuesText} from './measures.js';
+import {KIND_TITLES, endTitle, measureText, slabNote, valuesText} from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
@@ -86,7 +86,8 @@ export class MeasureList {
     return {element, shape, update: measure => {
       setText(value, measureText(measure));
       const unit = this.app_.store.state?.volume?.unit ?? '';
-      setText(values, measure.values ? valuesText(measure.values, unit) : '');
+      setText(values, measure.values
+        ? `${valuesText(measure.values, unit)}${slabNote(measure.slice)}` : '');
     }};
   }
 

@@ -10,13 +10,19 @@
  */
 
 /**
+ * Where a region lies. Its values are those of a slab if the slice was shown so.
+ * @typedef {{axis: 'x' | 'y' | 'z', index: number, slab_mm?: number,
+ *   slab_kind?: 'max' | 'mean' | 'min'}} MeasuredSlice
+ */
+
+/**
  * @typedef {object} Measure
  * @property {string} name          Counts from 1, unless the user changes it; no other has it.
  * @property {Kind} kind
  * @property {Triple[]} points_mm   LPS. Distance: both ends. Angle: its vertex is the second. Path:
  *     all corners. Ellipse and rectangle: two opposite corners of the box around them.
  * @property {number} value         Distance, path: mm. Angle: degrees. Others: mm².
- * @property {{axis: 'x' | 'y' | 'z', index: number}} [slice]  Of an ellipse or a rectangle.
+ * @property {MeasuredSlice} [slice]  Of an ellipse or a rectangle.
  * @property {Values} [values]      Likewise.
  */
 
@@ -298,6 +304,15 @@ export function measureText({kind, value}) {
   }
   const digits = value < 1 ? Number(value.toPrecision(2)) : value.toFixed(value < 100 ? 1 : 0);
   return `${digits} ${isRegion(kind) ? 'mm²' : 'mm'}`;
+}
+
+/**
+ * ", max of a slab of 10 mm" if the values of a region are those of a slab.
+ * @param {MeasuredSlice} [slice]
+ */
+export function slabNote(slice) {
+  return slice?.slab_mm ? `, ${slice.slab_kind} of a slab of ` +
+    `${Number(slice.slab_mm.toPrecision(4))} mm` : '';
 }
 
 /**

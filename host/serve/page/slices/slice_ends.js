@@ -75,7 +75,7 @@ function mixed(p, q, axis) {
 export function regionOf(view, volume, kind, [a, b]) {
   const {values, area_mm2} = view.valuesIn(kind, a, b);
   return {kind, points_mm: [toPatient(volume, a), toPatient(volume, b)], value: area_mm2,
-    values: valuesOf(values)};
+    slice: view.shown ?? undefined, values: valuesOf(values)};
 }
 
 /**

@@ -55,7 +55,7 @@ export class SliceInput {
   hover() {
     const under = this.pointer_ && this.view_.under(this.pointer_);
     if (this.pointer_) {
-      this.events_.hover(under?.voxel ?? null, under?.value ?? null);
+      this.events_.hover(under);
     }
     return under;
   }
@@ -86,7 +86,7 @@ export class SliceInput {
     });
     canvas.addEventListener('pointerleave', () => {
       this.pointer_ = null;
-      this.events_.hover(null, null);
+      this.events_.hover(null);
     });
     canvas.addEventListener('contextmenu', event => event.preventDefault());
     canvas.addEventListener('wheel', event => this.turn_(event), {passive: false});

@@ -1,7 +1,8 @@
 // Measuring on slices: distances, angles and paths from point to point, regions by dragging.
 import {h} from '../elements/dom.js';
 import {MeasureList} from '../panel/measure_list.js';
-import {KIND_TITLES, Points, isRegion, measureText, valuesText} from '../panel/measures.js';
+import {KIND_TITLES, Points, isRegion, measureText, slabNote, valuesText}
+  from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 import {movedTo, regionOf} from './slice_ends.js';
@@ -18,7 +19,7 @@ import {movedTo, regionOf} from './slice_ends.js';
  * @property {Kind} kind
  * @property {Vector[]} voxels
  * @property {string} text
- * @property {{axis: 'x' | 'y' | 'z', index: number}} [slice]  The only slice that shows it.
+ * @property {Measure['slice']} [slice]  The only slice that shows it.
  * @property {string} [name]    Of the measurement; none as long as the user makes it.
  */
 
@@ -260,9 +261,9 @@ export class SliceMeasure {
    * @param {SliceView} view
    * @param {VolumeState} volume
    */
-  keep_({kind, voxels, slice}, view, volume) {
+  keep_({kind, voxels}, view, volume) {
     try {
-      this.add_({...regionOf(view, volume, kind, voxels), slice});
+      this.add_(regionOf(view, volume, kind, voxels));
     } catch (empty) {
       this.message_.fail(sentenceOf(empty));
     }
@@ -289,7 +290,8 @@ export class SliceMeasure {
   say_(measure) {
     const unit = this.app_.store.state?.volume?.unit ?? '';
     this.message_.say(measure.values
-      ? `${measureText(measure)}: ${valuesText(measure.values, unit)}.`
+      ? `${measureText(measure)}: ${valuesText(measure.values, unit)}` +
+        `${slabNote(measure.slice)}.`
       : `${measureText(measure)}. The list below has all measurements.`);
   }
 }

@@ -172,11 +172,12 @@ function labelPlace(kind, places) {
 }
 
 /**
- * Paints the letters of the patient's sides, and at the top left the zoom, if any.
+ * Paints the letters of the patient's sides, at the top left the zoom, and at the bottom left the
+ * slab, if any.
  * @param {Paper} paper
  * @param {number} times    1: not zoomed.
  */
-export function paintLetters({context, slice: {letters}, width, height, unit}, times) {
+export function paintLetters({context, slice: {letters, slab}, width, height, unit}, times) {
   context.font = `600 ${12 * unit}px system-ui, sans-serif`;
   context.textBaseline = 'middle';
   context.lineWidth = 3 * unit;
@@ -190,6 +191,10 @@ export function paintLetters({context, slice: {letters}, width, height, unit}, t
     [letters.bottom, width / 2, height - upper, 'center']];
   if (times > 1) {
     places.push([`${Number(times.toPrecision(2))} ×`, LETTER_MARGIN, upper, 'left']);
+  }
+  if (slab) {
+    places.push([`${slab.kind} ${Number(slab.thickness_mm.toPrecision(4))} mm`, LETTER_MARGIN,
+      height - upper, 'left']);
   }
   for (const [letter, x, y, align] of places) {
     context.textAlign = align;

@@ -25,6 +25,8 @@ import {WHOLE} from './slice_zoom.js';
  * @property {[boolean, boolean]} flips         Whether pixels run against the voxels.
  * @property {ArrayLike<number>} values         Row by row from the top left.
  * @property {Contour[]} contours               `first` and `count` count segments.
+ * @property {import('./slice_slab.js').ShownSlab} [slab]  `values` are those of a slab.
+ * @property {ArrayLike<number>} own            The values of the slice itself, as `values`.
  * @property {Float32Array} segments            x, y, x, y of each, in pixels.
  */
 
@@ -51,12 +53,15 @@ export function sliceOf(axis, index, {json, bytes}) {
   const segments = json.contours.reduce(
     (/** @type {number} */ most, /** @type {Contour} */ c) => Math.max(most, c.first + c.count), 0);
   const behind = Math.ceil(count * array.BYTES_PER_ELEMENT / ALIGNMENT) * ALIGNMENT;
-  const needed = behind + segments * FLOATS_PER_SEGMENT * 4;
+  const middle = behind + segments * FLOATS_PER_SEGMENT * 4;  // The slice in a slab's middle.
+  const own = json.slab ? ARRAYS[json.slab.type] : array;
+  const needed = middle + (json.slab ? count * own.BYTES_PER_ELEMENT : 0);
   if (bytes.byteLength < needed) {
     throw new Error(`slice: ${bytes.byteLength} bytes came, its description needs ${needed}`);
   }
+  const values = new array(bytes, 0, count);
   return {
-    ...json, axis, index, values: new array(bytes, 0, count),
+    ...json, axis, index, values, own: json.slab ? new own(bytes, middle, count) : values,
     segments: new Float32Array(bytes, behind, segments * FLOATS_PER_SEGMENT),
   };
 }

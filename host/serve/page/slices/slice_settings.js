@@ -24,7 +24,7 @@ export class SliceSettings {
   /**
    * @param {(look: Look) => void} changed
    * @param {(by: number) => void} zoom   `by` times larger; 0: the whole slice.
-   * @param {Node} more                   Goes below.
+   * @param {Node[]} more                 Go below.
    */
   constructor(changed, zoom, more) {
     const tell = () => changed(this.look);
@@ -42,12 +42,12 @@ export class SliceSettings {
     /** @private */
     this.larger_ = this.button_('+', 'Zoom in', 'slice-larger', () => zoom(ZOOM_STEP));
     this.element = h('details', {class: 'slice-settings', 'data-testid': 'slice-settings'},
-      h('summary', {}, 'Zoom, contours, colors, windows'),
+      h('summary', {}, 'Zoom, contours, colors, slabs, windows'),
       h('div', {class: 'tool-row'}, h('span', {class: 'number-field'}, 'Zoom', this.smaller_,
         this.times_, this.larger_),
       this.button_('Whole slice', 'Shows whole slices', 'slice-whole', () => zoom(0)),
       h('label', {class: 'check', title: 'Interpolates between voxels'}, this.smooth_, 'Smooth')),
-      h('div', {class: 'tool-row'}, this.lines_.element, this.map_.element), more);
+      h('div', {class: 'tool-row'}, this.lines_.element, this.map_.element), ...more);
     this.tellTimes(1);
   }
 

@@ -3,6 +3,7 @@ import {sliceOf} from './slice_pixels.js';
 
 /** @typedef {import('./slice_pixels.js').Axis} Axis */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
+/** @typedef {import('./slice_slab.js').Slab} Slab */
 
 export class SliceSource {
   /**
@@ -12,7 +13,7 @@ export class SliceSource {
   constructor(connection, to) {
     /** @private */ this.connection_ = connection;
     /** @private */ this.to_ = to;
-    /** @private @type {{axis: Axis, index: number} | null} */ this.next_ = null;
+    /** @private @type {{axis: Axis, index: number, slab: Slab} | null} */ this.next_ = null;
     /** @private */ this.busy_ = false;
     /** @private  The last request; '' to send it again. */
     this.asked_ = '';
@@ -30,15 +31,16 @@ export class SliceSource {
   /**
    * @param {Axis} axis
    * @param {number} index
+   * @param {Slab} slab
    * @param {string} of       Identifies volume and contours, to skip repeated requests.
    */
-  want(axis, index, of) {
-    const asked = `${axis} ${index} ${of}`;
+  want(axis, index, slab, of) {
+    const asked = `${axis} ${index} ${slab.mm > 0 ? `${slab.mm} ${slab.kind}` : ''} ${of}`;
     if (asked === this.asked_) {
       return;
     }
     this.asked_ = asked;
-    this.next_ = {axis, index};
+    this.next_ = {axis, index, slab};
     if (!this.busy_) {
       void this.work_();
     }
@@ -48,11 +50,12 @@ export class SliceSource {
   async work_() {
     this.busy_ = true;
     while (this.next_) {
-      const {axis, index} = this.next_;
+      const {axis, index, slab: {mm, kind}} = this.next_;
       this.next_ = null;
       const epoch = this.epoch_;
       try {
-        const answer = await this.connection_.ask({ask: 'slice', axis, index});
+        const answer = await this.connection_.ask({ask: 'slice', axis, index,
+          ...mm > 0 && {slab_mm: mm, kind}});
         if (epoch === this.epoch_) {
           this.to_.slice(sliceOf(axis, index, answer));
         }

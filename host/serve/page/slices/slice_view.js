@@ -33,7 +33,7 @@ import {paintValues} from './windows.js';
  * @property {(phase: Phase, end: End, voxel: Vector | null) => void} end  A pointer drags an end of
  *     a measurement to this place; null if it stops.
  * @property {(value: number) => void} tissue       The tissue tool picked this value.
- * @property {(voxel: Vector | null, value: number | null) => void} hover
+ * @property {(under: Under | null) => void} hover
  * @property {(by: number) => void} step            To the next slices.
  * @property {(across: number, down: number) => void} window  Dragged so far, in CSS pixels.
  * @property {(by: number, at: [number, number] | null) => void} zoom  `by` times larger, around a
@@ -41,7 +41,10 @@ import {paintValues} from './windows.js';
  */
 
 /** @typedef {'press' | 'move' | 'release' | 'cancel' | 'end'} Phase  'end': of a path. */
-/** @typedef {{voxel: Vector, value: number}} Under  The voxel is not rounded. */
+/**
+ * The voxel, not rounded, the value that is shown there, and the voxel's own.
+ * @typedef {{voxel: Vector, value: number, own: number}} Under
+ */
 
 const HALF = 0.5;   // Of a pixel.
 
@@ -144,9 +147,9 @@ export class SliceView {
   }
 
   /**
-   * The value of a voxel if the slice shows it, else null.
+   * What is shown at a voxel of the slice; null for voxels of other slices.
    * @param {Vector} voxel
-   * @returns {number | null}
+   * @returns {Under | null}
    */
   valueAt(voxel) {
     const slice = this.slice_;
@@ -154,7 +157,13 @@ export class SliceView {
       return null;
     }
     const [x, y] = pixelAt(slice, this.size_, voxel);
-    return slice.values[Math.round(y) * slice.width + Math.round(x)] ?? null;
+    const at = Math.round(y) * slice.width + Math.round(x);
+    return at in slice.values ? {voxel, value: slice.values[at], own: slice.own[at]} : null;
+  }
+
+  /** The slab that is shown, if any. */
+  get slab() {
+    return this.slice_?.slab ?? null;
   }
 
   /** Tells again what is under the pointer. Returns whether it is over a voxel. */
@@ -221,7 +230,9 @@ export class SliceView {
 
   /** Which slice is shown, if any. */
   get shown() {
-    return this.slice_ && {axis: this.slice_.axis, index: this.slice_.index};
+    const slice = this.slice_, slab = slice?.slab;
+    return slice && {axis: slice.axis, index: slice.index,
+      ...slab && {slab_mm: slab.thickness_mm, slab_kind: slab.kind}};
   }
 
   /**
@@ -356,8 +367,8 @@ export class SliceView {
     if (column < 0 || row < 0 || column >= slice.width || row >= slice.height) {
       return null;
     }
-    const value = slice.values[row * slice.width + column];
-    return {voxel: voxelAt(slice, this.size_, x, y), value};
+    const at = row * slice.width + column;
+    return {voxel: voxelAt(slice, this.size_, x, y), value: slice.values[at], own: slice.own[at]};
   }
 
   /**

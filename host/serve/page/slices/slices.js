@@ -2,10 +2,12 @@
 import {h} from '../elements/dom.js';
 import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
-import {nearestVoxel, patientText, toPatient, toVoxel} from './patient_grid.js';
+import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {SliceMeasure} from './slice_measure.js';
 import {planesOf} from './slice_planes.js';
+import {SliceReadout} from './slice_readout.js';
 import {SliceSettings} from './slice_settings.js';
+import {SlabControls} from './slice_slab.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
 import {beyond, differing} from './slice_words.js';
@@ -55,7 +57,7 @@ class SlicesPanel {
     this.visible = false;
     this.stale = true;
     this.message = messageLine('slices-message');
-    this.readout = h('p', {class: 'readout', 'data-testid': 'slices-readout'});
+    this.readout = new SliceReadout();
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
     this.beyond = h('p', {class: 'legend', 'data-testid': 'slices-beyond'});
     this.panes = PLANES.map((_, number) => this.pane(number));
@@ -66,8 +68,9 @@ class SlicesPanel {
     this.tool = 'point';
     this.window = new WindowControls(through =>
       this.panes.forEach(({view}) => view.repaint(through)));
+    this.slabs = new SlabControls(PLANES, () => this.refresh());
     this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
-      this.window.more);
+      [this.slabs.element, this.window.more]);
     this.measure = new SliceMeasure(app, this.message, {changed: () => this.mark(),
       point: voxel => this.point(voxel),
       views: () => [...this.panes].sort((a, b) => Number(isLarge(b)) - Number(isLarge(a)))
@@ -96,7 +99,7 @@ class SlicesPanel {
       h('div', {class: 'tool-row'}, this.tools.element, this.target, this.measure.kind,
         this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
-      this.beyond, this.grid, this.readout, this.notes, this.measure.list.element);
+      this.beyond, this.grid, this.readout.element, this.notes, this.measure.list.element);
   }
 
   /** A click sets an isovalue while the tissue mode is on. */
@@ -121,7 +124,7 @@ class SlicesPanel {
       end: (phase, end, voxel) =>
         this.volume && this.measure.drag(phase, end, voxel, view, this.volume),
       tissue: value => this.tissue(value),
-      hover: (voxel, value) => this.hover(voxel, value),
+      hover: under => this.hover(under, number),
       step: by => this.step(number, by),
       window: (across, down) => this.window.drag(across, down),
       zoom: (by, at) => this.zoom(by, number, at),
@@ -162,6 +165,8 @@ class SlicesPanel {
       restore: through => this.window.look(through)});
     session.add('slices', {save: () => this.volume && this.settings.look,
       restore: look => { this.settings.setLook(look); this.look(this.settings.look); }});
+    session.add('slabs', {save: () => this.volume && this.slabs.slabs,
+      restore: slabs => this.slabs.setSlabs(slabs)});
     session.add('crosshair', {save: () => this.volume && this.voxel,
       restore: voxel => this.point(voxel)});
     modes.watch(() => this.takeTool());
@@ -215,7 +220,7 @@ class SlicesPanel {
     this.root.classList.toggle('empty', volume === null);
     this.message.say(volume ? '' : EMPTY);
     this.notes.textContent = '';
-    this.readout.textContent = '';
+    this.readout.clear();
     this.leftOut = PLANES.map(() => []);
     this.times = 1;
     this.settings.tellTimes(1);
@@ -267,7 +272,7 @@ class SlicesPanel {
       slider.max = String(volume.size[through] - 1);
       slider.value = String(index);
       if (which(pane)) {
-        source.want(axis, index, `${this.opened} ${this.contours}`);
+        source.want(axis, index, this.slabs.slabs[number], `${this.opened} ${this.contours}`);
       }
     });
   }
@@ -344,40 +349,25 @@ class SlicesPanel {
   /** Tells the value under the pointer, or under the crosshair. */
   tellValue() {
     if (!this.panes.some(({view}) => view.hover())) {
-      this.hover(null, null);
+      this.hover(null, 0);
     }
   }
 
   /**
    * Tells the value under the pointer; without a pointer, the crosshair's.
-   * @param {Vector | null} voxel
-   * @param {number | null} value
+   * @param {import('./slice_view.js').Under | null} under
+   * @param {number} number  Index of the plane with the pointer.
    */
-  hover(voxel, value) {
-    const volume = this.volume;
-    const isCrosshair = !voxel;
-    const at = voxel ?? this.voxel;
-    const told = isCrosshair ? this.crosshairValue() : value;
-    if (!volume || told === null) {
-      this.readout.textContent = '';
+  hover(under, number) {
+    const shown = this.panes.map(({view}, each) => ({plane: PLANES[each], slab: view.slab,
+      at: under ? each === number ? under : null : view.valueAt(this.voxel)}));
+    const own = shown.find(({at}) => at)?.at;
+    if (!this.volume || !own) {
+      this.readout.clear();
       return;
     }
-    const [x, y, z] = nearestVoxel(volume, at);
-    const shown = `${Number(told.toPrecision(6))} ${volume.unit}`.trim();
-    this.readout.replaceChildren(h('b', {}, shown),
-      ` at ${isCrosshair ? 'the crosshair, ' : ''}voxel ${x}, ${y}, ${z}`,
-      h('span', {}, patientText(toPatient(volume, at))));
-  }
-
-  /** The value under the crosshair; null as long as no slice with it is there. */
-  crosshairValue() {
-    for (const {view} of this.panes) {
-      const value = view.valueAt(this.voxel);
-      if (value !== null) {
-        return value;
-      }
-    }
-    return null;
+    this.readout.tell(this.volume, own.voxel, own.own, !under, shown.flatMap(
+      ({plane, slab, at}) => slab && at ? [{plane, slab, value: at.value}] : []));
   }
 }
 
