@@ -13,13 +13,16 @@ import {Viewpoint} from './picture/viewpoint.js';
 import {Warp} from './picture/warp.js';
 import {createBadge} from './shell/badge.js';
 import {createBar} from './shell/bar.js';
+import {createEdges} from './shell/edges.js';
 import {createHelp} from './shell/help.js';
 import {watchKeys} from './shell/keyboard.js';
 import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
 import {createTabs} from './shell/tabs.js';
+import {toggleFullScreen} from './shell/view_tools.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Measures} from './panel/measures.js';
+import {Layout} from './state/layout.js';
 import {Modes} from './state/modes.js';
 import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
@@ -46,7 +49,9 @@ function start() {
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
     selection: new Selection(), session: new PageSession(), measures: new Measures(),
-    grabs: new Grabs()};
+    grabs: new Grabs(), layout: new Layout()};
+  app.session.add('layout', {save: () => app.layout.now,
+    restore: saved => app.layout.restore(saved)});
   window.pxpl5 = measure(connection, store, picture);
 
   connection.on('state', state => store.take(state));
@@ -72,7 +77,7 @@ function start() {
   const actions = {
     undo: () => step('undo'), redo: () => step('redo'),
     open: createOpenDialog(app), save: createSaveDialog(app),
-    help: createHelp(headset.help),
+    help: createHelp(headset.help), fullScreen: toggleFullScreen,
   };
   createBar(app, actions, headset.button);
   createLeft(app);
@@ -84,6 +89,7 @@ function start() {
   createEnding(app);
   createHints(app);
   createTabs(app);
+  createEdges(app);
   watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()),
     app.grabs);
   watchKeys(app, viewpoint, actions);

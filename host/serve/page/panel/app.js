@@ -24,6 +24,7 @@
  * @property {import('../state/page_session.js').PageSession} session
  * @property {import('./measures.js').Measures} measures
  * @property {import('../picture/grabs.js').Grabs} grabs
+ * @property {import('../state/layout.js').Layout} layout
  */
 
 export {};

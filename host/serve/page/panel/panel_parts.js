@@ -34,15 +34,16 @@ export function messageLine(testid) {
  * A row of buttons, one of which is chosen.
  * @template {string} Name
  * @param {string} label        For screen readers.
- * @param {{name: Name, title: string, help: string}[]} choices
+ * @param {{name: Name, title: string, help: string, glyph?: Node}[]} choices  A glyph stands
+ *     for the title.
  * @param {(name: Name) => void} choose
  */
 export function choiceRow(label, choices, choose) {
   const row = h('div', {class: 'choice-row', role: 'radiogroup', 'aria-label': label});
-  const buttons = choices.map(({name, title, help}) => h('button', {
+  const buttons = choices.map(({name, title, help, glyph}) => h('button', {
     type: 'button', role: 'radio', title: help, 'aria-checked': false,
-    'data-testid': `choice-${name}`, onclick: () => set(name),
-  }, title));
+    'data-testid': `choice-${name}`, 'aria-label': glyph && title, onclick: () => set(name),
+  }, glyph ?? title));
   row.append(...buttons);
   row.addEventListener('keydown', event => {
     const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;

@@ -122,7 +122,8 @@ function sizeMenu(app) {
     }
   });
   const follow = () => {
-    if (menu.value === '' && app.store.state && !app.connection.watches) {
+    const isFollowing = menu.value === '' && !app.picture.stage.hidden;
+    if (isFollowing && app.store.state && !app.connection.watches) {
       const wished = sizeOf(app.picture.stage, partsOf(app.store.state.stereo).length);
       if (wished !== app.store.state.size.join('x')) {
         void app.connection.set({name: 'size', words: [wished]});

@@ -1,5 +1,7 @@
 // The title bar: the open volume, undo and redo, open, save and help.
 import {byId, h} from '../elements/dom.js';
+import {icon} from '../elements/icons.js';
+import {createViewTools} from './view_tools.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -12,20 +14,23 @@ export function createBar(app, actions, headset) {
   const name = h('strong', {'data-testid': 'title-volume'});
   const about = h('span', {class: 'muted about'});
   const undo = h('button', {'data-testid': 'undo', 'aria-label': 'Undo', onclick: actions.undo},
-    '↶', h('span', {class: 'word'}, ' Undo'));
+    icon('undo'), h('span', {class: 'word'}, ' Undo'));
   const redo = h('button', {'data-testid': 'redo', 'aria-label': 'Redo', onclick: actions.redo},
-    '↷', h('span', {class: 'word'}, ' Redo'));
+    icon('redo'), h('span', {class: 'word'}, ' Redo'));
+  // On a phone, the icon stands for the word.
   const open = h('button', {'data-testid': 'open-panel', title: 'Open a volume (key O)',
-    onclick: actions.open}, 'Open …');
-  const save = h('button', {'data-testid': 'save-menu',
-    title: 'Save a mesh, a picture or the session (key S)', onclick: actions.save}, 'Save …');
+    'aria-label': 'Open …', onclick: actions.open}, h('span', {class: 'verb'}, 'Open …'),
+  h('span', {class: 'alone'}, icon('open')));
+  const save = h('button', {'data-testid': 'save-menu', 'aria-label': 'Save …',
+    title: 'Save a mesh, a picture or the session (key S)', onclick: actions.save},
+  h('span', {class: 'verb'}, 'Save …'), h('span', {class: 'alone'}, icon('save')));
   byId('bar').append(
     h('img', {src: 'icon.svg', alt: '', width: 22, height: 22}),
     h('span', {class: 'row what'}, name, about),
     h('span', {class: 'watching', 'data-testid': 'watching', hidden: true,
       title: 'This address is view-only. To make changes, use the other address that pxpl5 '
         + 'serve printed.'}, 'View only'),
-    h('span', {class: 'grow'}), undo, redo, open,
+    h('span', {class: 'grow'}), ...createViewTools(app), undo, redo, open,
     save, headset,
     h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
       onclick: actions.help}, '?'));

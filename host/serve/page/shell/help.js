@@ -11,6 +11,8 @@ const SHEET = /** @type {const} */ ([
     ['← ↑ → ↓', 'rotate; with Shift: move'], ['+  −', 'zoom'],
     ['1 … 6', 'view from A, P, L, R, S, I'], ['R', 'reset the view'], ['U, Ctrl Z', 'undo'],
     ['Shift U, Ctrl Shift Z', 'redo'], ['O', 'open a volume'], ['S', 'save'],
+    ['7 8 9 0', 'picture; picture and slices; two by two; slices'],
+    [', .', 'hide or show the left or right side'], ['F', 'full screen'],
     ['Esc', 'leave a mode'], ['?', 'show this help'],
   ]],
   ['Panels', [

@@ -1,5 +1,6 @@
 // Shortcuts that work unless a field or a handle uses the key.
 import {SIDES} from '../picture/projection.js';
+import {LAYOUT_KEYS, SIDE_KEYS} from './view_tools.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -14,6 +15,7 @@ const ZOOM = 1.1;
  * @property {() => void} open
  * @property {() => void} save
  * @property {() => void} help
+ * @property {() => void} fullScreen
  */
 
 /**
@@ -72,6 +74,10 @@ function plainKey(event, target, app, viewpoint, actions) {
   if (side && event.key.length === 1) {
     return () => viewpoint.named(side.view);
   }
+  const name = LAYOUT_KEYS.get(event.key), shut = SIDE_KEYS.get(event.key);
+  if (name || shut) {
+    return () => name ? app.layout.change({name}) : shut && app.layout.toggle(shut);
+  }
   const zoom = (/** @type {number} */ factor) => {
     viewpoint.begin();
     viewpoint.zoom(factor);
@@ -79,7 +85,8 @@ function plainKey(event, target, app, viewpoint, actions) {
   return new Map(/** @type {[string, () => void][]} */ ([
     ['+', () => zoom(ZOOM)], ['=', () => zoom(ZOOM)], ['-', () => zoom(1 / ZOOM)],
     ['r', () => viewpoint.reset()], ['u', actions.undo], ['U', actions.redo], ['o', actions.open],
-    ['s', actions.save], ['?', actions.help], ['Escape', () => app.modes.leave()],
+    ['s', actions.save], ['?', actions.help],
+    ['f', actions.fullScreen], ['Escape', () => app.modes.leave()],
   ])).get(event.key);
 }
 

@@ -32,7 +32,6 @@ const TABS = [
 export function createTabs(app) {
   const bar = byId('tabs');
   const panels = byId('panels');
-  byId('right').hidden = TABS.length === 0;
   const made = TABS.map(({id, title, help, create}) => {
     const section = h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
       'aria-labeledby': `tab-${id}`, tabindex: -1});

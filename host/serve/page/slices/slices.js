@@ -4,6 +4,7 @@ import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {SliceMeasure} from './slice_measure.js';
+import {SlicePlace} from './slice_place.js';
 import {planesOf} from './slice_planes.js';
 import {SliceReadout} from './slice_readout.js';
 import {SliceSettings} from './slice_settings.js';
@@ -100,6 +101,14 @@ class SlicesPanel {
         this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
       this.beyond, this.grid, this.readout.element, this.notes, this.measure.list.element);
+    const panes = this.panes.map(({element}) => element);
+    const parts = {grid: this.grid, readout: this.readout.element, panes};
+    this.place = new SlicePlace(this.app, this.root, parts, isSeen => {
+      this.visible = isSeen;
+      if (isSeen && this.stale) {
+        this.refresh();
+      }
+    });
   }
 
   /** A click sets an isovalue while the tissue mode is on. */
@@ -147,16 +156,10 @@ class SlicesPanel {
         this.voxel[this.planes[number].number]))});
     const count = h('span', {class: 'slice-count', 'data-testid': `slice-count-${number}`});
     const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Enlarge this slice',
-      onclick: () => this.enlarge(number)}, PLANES[number]);
+      onclick: () => this.place?.enlarge(number)}, PLANES[number]);
     const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
       h('div', {class: 'slice-head'}, enlarge, count), view.canvas, slider);
     return {view, source, element, slider, count};
-  }
-
-  /** @param {number} chosen */
-  enlarge(chosen) {
-    this.panes.forEach(({element}, number) => element.classList.toggle('large', number === chosen));
-    this.grid.prepend(this.panes[chosen].element);
   }
 
   listen() {
@@ -202,13 +205,6 @@ class SlicesPanel {
         this.window.count(counts);
       }
     });
-    this.root.addEventListener('panelshow', () => {
-      this.visible = true;
-      if (this.stale) {
-        this.refresh();
-      }
-    });
-    this.root.addEventListener('panelhide', () => { this.visible = false; });
   }
 
   /** @param {VolumeState | null} volume */
