@@ -66,6 +66,28 @@ TEST_CASE("undo and redo go through every picture of a session, back and forth")
     CHECK_THROWS_AS(desk.does("redo"), RequestError);
 }
 
+TEST_CASE("the number of the step grows with changes and falls with undo, also past the limit") {
+    Desk desk;
+    const std::uint64_t first = desk.session.history.step();
+    const auto change = [&](std::size_t number) {
+        desk.does("mark");
+        desk.does("material ambient=" + std::to_string(0.1 + 0.001 * static_cast<double>(number)));
+    };
+    change(0);
+    desk.does("digest");
+    CHECK(desk.session.history.step() == first + 1);
+    desk.does("undo");
+    CHECK(desk.session.history.step() == first);
+    desk.does("redo");
+    CHECK(desk.session.history.step() == first + 1);
+    for (std::size_t i = 1; i < max_undo_steps + 5; ++i) {
+        change(i);
+    }
+    CHECK(desk.session.history.step() == first + max_undo_steps + 5);
+    desk.does("load phantom:sphere");
+    CHECK(desk.session.history.step() >= first + max_undo_steps + 5);
+}
+
 TEST_CASE("a pick finds the same place after a roll and a pan") {
     Desk desk;
     Session& session = desk.session;

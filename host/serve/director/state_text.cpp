@@ -154,6 +154,7 @@ std::string state_text(const Session& session, const StateExtras& extras) {
     add_looks(scene, state);
     state.undo = session.history.undo_line();
     state.redo = session.history.redo_line();
+    state.step = static_cast<std::int64_t>(session.history.step());
     state.machine = {extras.topology, static_cast<std::int64_t>(session.conversation.gps().size()),
                      static_cast<std::int64_t>(session.conversation.renderer_count()),
                      extras.is_recording};

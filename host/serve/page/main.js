@@ -22,6 +22,7 @@ import {createTabs} from './shell/tabs.js';
 import {toggleFullScreen} from './shell/view_tools.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Measures} from './panel/measures.js';
+import {OneHistory} from './panel/one_history.js';
 import {Layout} from './state/layout.js';
 import {Modes} from './state/modes.js';
 import {PageSession} from './state/page_session.js';
@@ -46,10 +47,11 @@ function start() {
   const viewpoint = new Viewpoint(connection, store, picture);
   picture.warp = new Warp(connection, store, picture, viewpoint);
   picture.video = new Video(connection, text => toasts.info(text));
+  const measures = new Measures();
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
-    selection: new Selection(), session: new PageSession(), measures: new Measures(),
-    grabs: new Grabs(), layout: new Layout()};
+    selection: new Selection(), session: new PageSession(), measures, grabs: new Grabs(),
+    history: new OneHistory(connection, store, measures), layout: new Layout()};
   app.session.add('layout', {save: () => app.layout.now,
     restore: saved => app.layout.restore(saved)});
   window.pxpl5 = measure(connection, store, picture);
@@ -67,15 +69,9 @@ function start() {
   connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 
-  const step = (/** @type {'undo' | 'redo'} */ way) => {
-    // Pressing the key with nothing to undo is not an error.
-    if (store.state?.[way] && !connection.watches) {
-      void connection.do(way);
-    }
-  };
   const headset = new Headset(app, window.pxpl5.headset);
   const actions = {
-    undo: () => step('undo'), redo: () => step('redo'),
+    undo: () => app.history.go('undo'), redo: () => app.history.go('redo'),
     open: createOpenDialog(app), save: createSaveDialog(app),
     help: createHelp(headset.help), fullScreen: toggleFullScreen,
   };

@@ -69,6 +69,7 @@ void History::note(const Deed& deed, const Scene& before, const Scene& after) {
     undo_.push_back({number, deed.line, deed.subject, before});
     if (undo_.size() > max_undo_steps) {
         undo_.pop_front();
+        ++dropped_;
     }
 }
 
@@ -81,16 +82,20 @@ void History::note_losses(const Scene& before, const Scene& after) {
     is_marked_ = true;
 }
 
-void History::begin_anew(const std::string& load_line) {
+void History::drop_steps() {
+    dropped_ += undo_.size();
     undo_.clear();
     redo_.clear();
+}
+
+void History::begin_anew(const std::string& load_line) {
+    drop_steps();
     load_line_ = load_line;
     ++loads_;
 }
 
 void History::forget_load() {
-    undo_.clear();
-    redo_.clear();
+    drop_steps();
     load_line_.reset();
     is_marked_ = true;
 }

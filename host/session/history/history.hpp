@@ -43,6 +43,8 @@ class History {
     /// The line that undo or redo would act on, if any.
     std::optional<std::string> undo_line() const;
     std::optional<std::string> redo_line() const;
+    /// Number of steps before now, dropped ones included; undone() lowers it by 1.
+    std::uint64_t step() const { return dropped_ + undo_.size(); }
     /// The parameters to restore. Throw RequestError (usage) if no step exists.
     const Scene& before_last() const;
     const Scene& after_next() const;
@@ -72,6 +74,7 @@ class History {
         Scene scene;  ///< The scene to restore.
     };
 
+    void drop_steps();
     std::uint64_t add_line(const std::string& text, const std::string& subject);
 
     std::vector<Line> lines_;
@@ -80,6 +83,7 @@ class History {
     bool is_marked_ = false;  ///< The next setting starts a step.
     std::deque<Step> undo_;
     std::vector<Step> redo_;
+    std::uint64_t dropped_ = 0;  ///< Steps that undo cannot reach any more.
     std::optional<std::string> load_line_;
     int loads_ = 0;
     int plays_ = 0;

@@ -236,6 +236,7 @@ export function readAnswerHeader(view) {
  * @property {number} stereo_convergence_mm  from the eyes to the screen; 0: the camera's
  * @property {string | null} undo  the line that `undo` reverts
  * @property {string | null} redo
+ * @property {number} step  number of undo steps before now; `undo` lowers it by 1
  * @property {MachineState} machine
  * @property {EndState | null} end
  */

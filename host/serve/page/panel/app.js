@@ -25,6 +25,7 @@
  * @property {import('./measures.js').Measures} measures
  * @property {import('../picture/grabs.js').Grabs} grabs
  * @property {import('../state/layout.js').Layout} layout
+ * @property {import('./one_history.js').OneHistory} history
  */
 
 export {};

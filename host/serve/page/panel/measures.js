@@ -28,6 +28,7 @@
 
 export const MOST_MEASURES = 100;
 const MOST_LETTERS = 60;    // Of a name.
+const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 
 /** How many points end a measurement; a path ends when the user says so. */
 const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2};
@@ -89,17 +90,31 @@ export class Points {
   }
 }
 
+/**
+ * The list beside a change.
+ * @typedef {object} Change
+ * @property {readonly Measure[]} list
+ * @property {string} title     What was done.
+ * @property {number} step      Number of the scene's step then.
+ */
+
 export class Measures {
   constructor() {
     /** @type {readonly Measure[]} */
     this.list = [];
     /** Name of the measurement whose ends the lists show, '' for none. */
     this.chosen = '';
-    /** Called before each change that undo() can take back. */
-    this.changes = () => {};
+    /** The number of the scene's step now. Called before each change that can be undone. */
+    this.clock = () => 0;
+    /**
+     * Changes that undo() and redo() would make, the next one last.
+     * @type {{undo: Change[], redo: Change[]}}
+     */
+    this.changed = {undo: [], redo: []};
     /** @private */ this.count_ = 0;
     /** @private @type {Set<() => void>} */ this.watchers_ = new Set();
-    /** The list before a drag. @private @type {readonly Measure[] | null} */ this.held_ = null;
+    /** The list before a drag. @private @type {Pick<Change, 'list' | 'title'> | null} */
+    this.held_ = null;
   }
 
   /** @param {() => void} act  Called now and at each change. */
@@ -130,18 +145,19 @@ export class Measures {
     do {
       ++this.count_;
     } while (this.named(String(this.count_)));
-    this.change_([...this.list, {name: String(this.count_), ...measure}]);
+    const name = String(this.count_);
+    this.change_(`add ${measure.kind} ${name}`, [...this.list, {name, ...measure}]);
     return '';
   }
 
   /** @param {string} name */
   remove(name) {
-    this.change_(this.list.filter(each => each.name !== name));
+    this.change_(`delete measurement ${name}`, this.list.filter(each => each.name !== name));
   }
 
   /** Removes all; undo() brings them back. */
   removeAll() {
-    this.change_([]);
+    this.change_('delete all measurements', []);
   }
 
   /**
@@ -160,7 +176,7 @@ export class Measures {
     }
     const list = this.list.map(each => each.name === name ? {...each, name: next} : each);
     this.chosen = this.chosen === name ? next : this.chosen;
-    this.change_(list);
+    this.change_(`rename measurement ${name} to ${next}`, list);
     return '';
   }
 
@@ -170,33 +186,48 @@ export class Measures {
    * @param {Partial<Measure>} changed
    */
   drag(name, changed) {
-    this.held_ ??= this.list;
+    this.held_ ??= {list: this.list, title: `move an end of measurement ${name}`};
     this.set_(this.list.map(each => each.name === name ? {...each, ...changed} : each));
   }
 
   /** Ends a drag: the points stay. */
   drop() {
-    const [before, now] = [this.held_, this.list];
+    const [held, now] = [this.held_, this.list];
     this.held_ = null;
-    if (before && before !== now) {
-      this.list = before;
-      this.change_(now);
+    if (held) {
+      this.list = held.list;
+      this.change_(held.title, now);
     }
   }
 
   /** Ends a drag: the points are the ones before it. */
   putBack() {
     if (this.held_) {
-      this.set_(this.held_);
+      const {list} = this.held_;
       this.held_ = null;
+      this.set_(list);
     }
+  }
+
+  undo() {
+    this.go_(this.changed.undo, this.changed.redo);
+  }
+
+  redo() {
+    this.go_(this.changed.redo, this.changed.undo);
+  }
+
+  /**
+   * A new step of the scene has taken the place of undone changes.
+   * @param {number} step
+   */
+  forgetBefore(step) {
+    this.changed.redo = this.changed.redo.filter(change => change.step >= step);
   }
 
   /** Removes all for good, because another volume is open. */
   clear() {
-    this.chosen = '';
-    this.held_ = null;
-    this.set_([]);
+    this.restore([]);
   }
 
   /** @param {any[]} saved  What `list` was in a saved session; earlier ones had distances alone. */
@@ -204,17 +235,35 @@ export class Measures {
     this.count_ = Math.max(0, ...saved.map(({name}) => Number(name)).filter(Number.isFinite));
     this.chosen = '';
     this.held_ = null;
+    this.changed = {undo: [], redo: []};
     this.set_(saved.map(each => each.kind ? each : {name: each.name, kind: 'distance',
       points_mm: [each.a_mm, each.b_mm], value: each.distance_mm}));
   }
 
   /**
    * @private
+   * @param {string} title
    * @param {readonly Measure[]} list
    */
-  change_(list) {
-    this.changes();
+  change_(title, list) {
+    this.drop();
+    const undo = [...this.changed.undo, {list: this.list, title, step: this.clock()}];
+    this.changed = {undo: undo.slice(-MOST_CHANGES), redo: []};
     this.set_(list);
+  }
+
+  /**
+   * @private
+   * @param {Change[]} from
+   * @param {Change[]} to
+   */
+  go_(from, to) {
+    const change = from.pop();
+    if (change) {
+      to.push({...change, list: this.list});
+      this.chosen = change.list.some(({name}) => name === this.chosen) ? this.chosen : '';
+      this.set_(change.list);
+    }
   }
 
   /**

@@ -41,11 +41,12 @@ export function createBar(app, actions, headset) {
       `${machine.gps} GPs, ${machine.renderers} Renderers`].filter(Boolean).join(' · ') : '';
     about.title = volume?.source ?? '';
   });
-  app.store.subscribe(['undo', 'redo'], state => {
-    undo.disabled = state.undo === null || app.connection.watches;
-    redo.disabled = state.redo === null || app.connection.watches;
-    undo.title = state.undo ? `Undo: ${state.undo} (key U)` : 'Nothing to undo';
-    redo.title = state.redo ? `Redo: ${state.redo} (key shift U)` : 'Nothing to redo';
+  app.history.watch(() => {
+    const [back, again] = [app.history.title('undo'), app.history.title('redo')];
+    undo.disabled = back === null;
+    redo.disabled = again === null;
+    undo.title = back ? `Undo: ${back} (key U)` : 'Nothing to undo';
+    redo.title = again ? `Redo: ${again} (key shift U)` : 'Nothing to redo';
   });
   app.connection.on('hello', ({role}) => {
     byId('bar').querySelector('.watching')?.toggleAttribute('hidden', role !== 'watcher');
