@@ -13,7 +13,7 @@ packages=(
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
     libseccomp-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
-    libwebsockets-dev libturbojpeg0-dev libvpx-dev node-d3 libnlopt-dev
+    libwebsockets-dev libturbojpeg0-dev libvpx-dev esbuild libnlopt-dev
     doctest-dev libbenchmark-dev jq
 )
 has_tests=false has_cluster=false

@@ -21,6 +21,7 @@ const flags = ['--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader', '
              '--no-first-run', '--disable-background-networking', '--disable-component-update',
              '--disable-sync',
              '--js-flags=--expose-gc'];
+const MAIN_MODULE = new URL('../../host/serve/page/main.js', import.meta.url).pathname;
 /** A step that takes longer hangs: generous, since the computer may have other work. */
 const STEP_MS = 30_000;
 
@@ -83,15 +84,20 @@ export async function launchBrowser(rule = '') {
 /**
  * Opens a page and waits until it shows a picture.
  * @param {object} options of the browser's context, such as `viewport` in CSS pixels; `scripts` are
- *   functions or texts that run in the page before its own code, `script` is one of them
+ *   functions or texts that run in the page before its own code, `script` is one of them;
+ *   `unbundled` loads the page's modules one by one, so that a test may watch their classes
  * @returns `close` fails the test if the page complained: errors in the console or not caught
  */
-export async function openPage(browser, url, { script, scripts = [script], ...options } = {}) {
+export async function openPage(browser, url, { script, scripts = [script], unbundled,
+                                                      ...options } = {}) {
   const context = await browser.newContext(
     { viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
   context.setDefaultTimeout(STEP_MS);
   for (const each of scripts.filter(Boolean)) {
     await context.addInitScript(typeof each === 'string' ? { content: each } : each);
+  }
+  if (unbundled) {
+    await context.route('**/main.js?*', route => route.fulfill({ path: MAIN_MODULE }));
   }
   const page = await context.newPage();
   const complaints = [];

@@ -11,6 +11,7 @@ import {boxAt, pixelAt, placedIn, sliceAtBox, sliceOf, voxelAt}
   from '../../host/serve/page/slices/slice_pixels.js';
 import {planesOf} from '../../host/serve/page/slices/slice_planes.js';
 import {changesOf} from '../../host/serve/page/inspect/why_cards.js';
+import {outline, roundValues, Scale} from '../../host/serve/page/surfaces/axis.js';
 
 /** @param {ArrayLike<number>} a @param {ArrayLike<number>} b */
 function near(a, b, tolerance = 1e-9) {
@@ -177,4 +178,35 @@ test('modelled times are told in three digits, with what limits them', () => {
   const smooth = {...whole, load: undefined, surfaces: [], frame: {...frame, samples: 16}};
   assert.equal(factsOf(smooth).length, 2);
   assert.match(factsOf(smooth)[1][1], /\n16 samples per pixel\n/);
+});
+
+test('an axis has round values, about as many as wished', () => {
+  for (const [low, high, count, values, digits] of [
+    [-1024, 3071, 5, [-1000, 0, 1000, 2000, 3000], 0],
+    [0, 1, 4, [0, 0.2, 0.4, 0.6, 0.8, 1], 1],
+    [-0.37, 0.37, 3, [-0.2, 0, 0.2], 1],
+    [0, 0.0005, 5, [0, 0.0001, 0.0002, 0.0003, 0.0004, 0.0005], 4],
+    [0, 95, 10, [0, 10, 20, 30, 40, 50, 60, 70, 80, 90], 0],
+    [32, 33, 3, [32, 32.5, 33], 1],
+    [0, 65535, 8, [0, 10000, 20000, 30000, 40000, 50000, 60000], 0],
+  ]) {
+    assert.deepEqual(roundValues(low, high, count), {values, digits}, `${low} to ${high}`);
+  }
+  // Every step is 1, 2 or 5 times a power of ten, and all multiples in the range are there.
+  for (let k = 1; k < 400; ++k) {
+    const low = -(k ** 2) * 0.37, high = k ** 3 * 0.011 + 0.5;
+    const {values} = roundValues(low, high, 6);
+    const step = values[1] - values[0], mantissa = step / 10 ** Math.floor(Math.log10(step) + 1e-6);
+    assert.ok([1, 2, 5].some(each => Math.abs(each - mantissa) < 1e-6), `${step}`);
+    assert.ok(values.length >= 3 && values.length <= 10, `${values}`);
+    assert.ok(values[0] >= low && values[0] - step < low, `${values[0]} after ${low}`);
+    assert.ok(values.at(-1) <= high && values.at(-1) + step > high, `${values.at(-1)}, ${high}`);
+  }
+});
+
+test('a scale leads from values to pixels and back, also beyond its ends', () => {
+  const scale = new Scale(-100, 300, 20, 420);
+  assert.deepEqual([-100, 0, 300, 500].map(value => scale.at(value)), [20, 120, 420, 620]);
+  assert.deepEqual([20, 120, 420, 0].map(x => scale.valueAt(x)), [-100, 0, 300, -120]);
+  assert.equal(outline([3, 1], 10, k => 5 * k), 'M0 10V3H5V1H10V10Z');
 });

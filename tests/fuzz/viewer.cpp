@@ -91,10 +91,14 @@ bool accepts_path(const std::string& text) {
     constexpr int port = 80;  // A portal may leave a prefix that ends with it.
     const Route route = routes.find(text, port);
     if (route.kind == RouteKind::file) {
-        const fs::path page = built_in_folders().page, path = route.file.path;
-        const auto begin = std::mismatch(page.begin(), page.end(), path.begin(), path.end());
-        require(begin.first == page.end() || path.parent_path() == scratch.path() ||
-                    path == built_in_folders().d3,
+        const fs::path path = route.file.path;
+        const RouteFolders folders = built_in_folders();
+        const auto is_below = [&path](const fs::path& folder) {
+            return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first ==
+                   folder.end();
+        };
+        require(is_below(folders.page) || is_below(folders.bundle) ||
+                    path.parent_path() == scratch.path(),
                 "a file elsewhere: " + path.string());
         require(path.lexically_normal() == path, "a path that leads up: " + path.string());
     }

@@ -20,9 +20,10 @@ struct FileType {
 };
 
 // A file of another kind in the page's folder (its README, say) is not served.
-constexpr std::array<FileType, 7> page_types{{{".html", "text/html; charset=utf-8"},
+constexpr std::array<FileType, 8> page_types{{{".html", "text/html; charset=utf-8"},
                                               {".js", "text/javascript; charset=utf-8"},
                                               {".css", "text/css; charset=utf-8"},
+                                              {".map", "application/json"},
                                               {".svg", "image/svg+xml"},
                                               {".png", "image/png"},
                                               {".ico", "image/x-icon"},
@@ -34,9 +35,8 @@ std::string_view type_of(const fs::path& path) {
     return found == page_types.end() ? std::string_view{} : found->type;
 }
 
-RequestError missing(const fs::path& path, std::string_view what) {
-    return {ExitCode::bad_data,
-            fmt::format("cannot serve the page: {} is missing{}", path.string(), what)};
+RequestError missing(const fs::path& path) {
+    return {ExitCode::bad_data, fmt::format("cannot serve the page: {} is missing", path.string())};
 }
 
 /// A name that can only be a file in the folder itself.
@@ -50,32 +50,35 @@ bool is_plain_name(std::string_view name) {
 }  // namespace
 
 Routes::Routes(RouteFolders folders) : downloads_(std::move(folders.downloads)) {
-    if (!fs::is_directory(folders.page)) {
-        throw missing(folders.page, "");
+    add_files(folders.page, false);
+    if (!folders.bundle.empty()) {
+        add_files(folders.bundle, true);
     }
-    for (const auto& entry : fs::recursive_directory_iterator(folders.page)) {
+    const auto index = files_.find("/index.html");
+    index->second.is_page = true;
+    files_["/"] = index->second;
+}
+
+void Routes::add_files(const fs::path& folder, bool is_bundle) {
+    if (!fs::is_directory(folder)) {
+        throw missing(folder);
+    }
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         const std::string_view type = type_of(entry.path());
         if (type.empty() || entry.is_symlink() || !entry.is_regular_file()) {
             continue;
         }
-        const std::string name = "/" + entry.path().lexically_relative(folders.page).string();
-        files_[name] = {entry.path(), std::string(type), ""};
+        const std::string name = "/" + entry.path().lexically_relative(folder).string();
+        files_[name] = {entry.path(), std::string(type), "", false, is_bundle};
         if (files_.size() > max_page_files) {
             throw RequestError(ExitCode::bad_data,
                                fmt::format("cannot serve the page: {} contains more than {} files",
-                                           folders.page.string(), max_page_files));
+                                           folder.string(), max_page_files));
         }
     }
-    const auto index = files_.find("/index.html");
-    if (index == files_.end()) {
-        throw missing(folders.page / "index.html", "");
+    if (!fs::is_regular_file(folder / "index.html")) {
+        throw missing(folder / "index.html");
     }
-    index->second.is_page = true;
-    files_["/"] = index->second;
-    if (!fs::is_regular_file(folders.d3)) {
-        throw missing(folders.d3, "; Debian's package node-d3 installs it");
-    }
-    files_["/d3.js"] = {folders.d3, std::string(type_of(folders.d3)), ""};
 }
 
 Route Routes::find(std::string_view path) const {
@@ -124,7 +127,7 @@ Route Routes::find(std::string_view path, int port) const {
 }
 
 RouteFolders built_in_folders() {
-    return {PXPL5_PAGE_FOLDER, PXPL5_D3_FILE, ""};
+    return {PXPL5_PAGE_FOLDER, PXPL5_BUNDLE_FOLDER, ""};
 }
 
 }  // namespace pxpl5::host::serve

@@ -15,6 +15,8 @@ struct ServedFile {
     std::string type;        ///< Content-Type.
     std::string attachment;  ///< Name to save it under; empty: to be shown.
     bool is_page = false;    ///< The page itself, which gives a browser its cookie.
+    /// Part of the bundle, whose addresses on the page change with its bytes ("main.js?v=HASH").
+    bool is_bundled = false;
 };
 
 /// The handling of a request's path.
@@ -35,7 +37,7 @@ struct Route {
 
 struct RouteFolders {
     std::filesystem::path page;       ///< Holds index.html and everything it names.
-    std::filesystem::path d3;         ///< The file.
+    std::filesystem::path bundle;     ///< Its files replace those of the page; empty: none.
     std::filesystem::path downloads;  ///< Looked into at each request.
 };
 
@@ -53,11 +55,13 @@ class Routes {
     Route find(std::string_view path, int port) const;
 
   private:
+    void add_files(const std::filesystem::path& folder, bool is_bundle);
+
     std::filesystem::path downloads_;
     std::map<std::string, ServedFile, std::less<>> files_;
 };
 
-/// The folder of the page's files and the place of D3, as built in.
+/// The folders of the page's files and of its bundle, as built in.
 RouteFolders built_in_folders();
 
 }  // namespace pxpl5::host::serve

@@ -153,7 +153,9 @@ int Loop::send_file(lws* connection, const Request& request, const ServedFile& f
         if (!cookie.empty()) {
             with.push_back({WSI_TOKEN_HTTP_SET_COOKIE, cookie});
         }
-        return answer(connection, 200, file.type.c_str(), *gzip, with);
+        const bool never_changes = file.is_bundled && request.query.contains("v");
+        return answer(connection, 200, file.type.c_str(), *gzip, with,
+                      never_changes ? kept_by_browsers : kept_by_nobody);
     }
     std::string headers;
     if (!cookie.empty()) {

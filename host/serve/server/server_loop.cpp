@@ -39,6 +39,7 @@ RouteFolders folders_of(const ServerOptions& options) {
     RouteFolders folders = built_in_folders();
     if (!options.page.empty()) {
         folders.page = options.page;
+        folders.bundle.clear();
     }
     folders.downloads = options.downloads;
     return folders;

@@ -64,7 +64,7 @@ Request read_request(lws* connection) {
 }
 
 int answer(lws* connection, int status, const char* type, std::string_view bytes,
-           std::span<const Header> headers) {
+           std::span<const Header> headers, std::string_view caching) {
     std::vector<unsigned char> buffer(LWS_PRE + max_head_bytes + bytes.size());
     unsigned char* const start = buffer.data() + LWS_PRE;
     unsigned char* const end = start + max_head_bytes;
@@ -77,7 +77,7 @@ int answer(lws* connection, int status, const char* type, std::string_view bytes
     };
     if (lws_add_http_common_headers(connection, static_cast<unsigned>(status), type, bytes.size(),
                                     &at, end) != 0 ||
-        fails({WSI_TOKEN_HTTP_CACHE_CONTROL, "no-store"}) || std::ranges::any_of(headers, fails) ||
+        fails({WSI_TOKEN_HTTP_CACHE_CONTROL, caching}) || std::ranges::any_of(headers, fails) ||
         lws_finalize_write_http_header(connection, start, &at, end) != 0) {
         return -1;
     }

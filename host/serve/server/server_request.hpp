@@ -26,9 +26,13 @@ struct Header {
     std::string_view value;
 };
 
+/// Values of Cache-Control.
+constexpr std::string_view kept_by_nobody = "no-store";
+constexpr std::string_view kept_by_browsers = "private, max-age=31536000, immutable";
+
 /// Answers the request with bytes that are at hand. Returns other than 0 to close the connection.
 int answer(lws* connection, int status, const char* type, std::string_view bytes,
-           std::span<const Header> headers = {});
+           std::span<const Header> headers = {}, std::string_view caching = kept_by_nobody);
 
 /// Sends the browser to another path of this server, or to another server. Returns other than 0 to
 /// close the connection.

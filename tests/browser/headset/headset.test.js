@@ -88,7 +88,7 @@ test('two eyes, each with its own frustum, in its own viewport', () => wornHere(
   // 0.4 m below the eyes.
   assert.ok(Math.abs(left.y + 0.4 / DISTANCE_M) < 0.1, `${left.y}`);
   await shoot(page, 'headset-eyes');
-}));
+}, { unbundled: true }));
 
 test('the newest pose is drawn at once, whatever the machine does', () => wornHere(async page => {
   const gps = treeOf(server.child.pid).filter(pid =>

@@ -10,7 +10,7 @@ namespace {
 /// A page with a folder, downloads beside the page, and a file that must not be served.
 struct Folders {
     ScratchFolder scratch;
-    RouteFolders folders{scratch.path / "page", scratch.path / "d3.min.js", scratch.path / "out"};
+    RouteFolders folders{scratch.path / "page", scratch.path / "bundle", scratch.path / "out"};
 
     Folders() {
         scratch.write("page/index.html", "page");
@@ -19,7 +19,9 @@ struct Folders {
         scratch.write("page/panels/notes.md", "notes");
         scratch.write("code/other.js", "no");
         scratch.write("page/README.md", "notes");
-        scratch.write("d3.min.js", "d3");
+        scratch.write("bundle/index.html", "page");
+        scratch.write("bundle/main.js", "code");
+        scratch.write("bundle/main.js.map", "map");
         scratch.write("out/mesh.ply", "mesh");
         scratch.write("out/.hidden", "no");
         scratch.write("secret", "no");
@@ -34,17 +36,20 @@ struct Folders {
 
 }  // namespace
 
-TEST_CASE("the page's files, D3 and downloads have their paths and types") {
+TEST_CASE("the files of page, bundle and downloads have their paths and types") {
     const Folders at;
     const Routes routes(at.folders);
-    CHECK(routes.find("/").file.path == at.folders.page / "index.html");
+    CHECK(routes.find("/").file.path == at.folders.bundle / "index.html");
     CHECK(routes.find("/").file.is_page);
     CHECK(routes.find("/index.html").file.is_page);
     CHECK_FALSE(routes.find("/main.js").file.is_page);
+    CHECK(routes.find("/main.js").file.path == at.folders.bundle / "main.js");
+    CHECK(routes.find("/main.js").file.is_bundled);
+    CHECK(routes.find("/main.js.map").file.type == "application/json");
     CHECK(routes.find("/").file.type == "text/html; charset=utf-8");
     CHECK(routes.find("/main.js").file.type == "text/javascript; charset=utf-8");
-    CHECK(routes.find("/panels/slice.js").kind == RouteKind::file);
-    CHECK(routes.find("/d3.js").file.path == at.folders.d3);
+    CHECK(routes.find("/panels/slice.js").file.path == at.folders.page / "panels/slice.js");
+    CHECK_FALSE(routes.find("/panels/slice.js").file.is_bundled);
     const Route mesh = routes.find("/download/mesh.ply");
     CHECK(mesh.file.path == at.folders.downloads / "mesh.ply");
     CHECK(mesh.file.attachment == "mesh.ply");
@@ -97,11 +102,11 @@ TEST_CASE("the prefix of a portal ends with the port") {
     const Folders at;
     const Routes routes(at.folders);
     CHECK(routes.find("/main.js", 4711).kind == RouteKind::file);
-    CHECK(routes.find("/node/n1/4711/", 4711).file.path == at.folders.page / "index.html");
+    CHECK(routes.find("/node/n1/4711/", 4711).file.path == at.folders.bundle / "index.html");
     CHECK(routes.find("/node/n1/4711/main.js", 4711).kind == RouteKind::file);
     CHECK(routes.find("/user/ada/proxy/absolute/4711/socket", 4711).kind == RouteKind::socket);
     CHECK(routes.find("/4711/upload", 4711).kind == RouteKind::upload);
-    CHECK(routes.find("/node/47110/4711/d3.js", 4711).kind == RouteKind::file);
+    CHECK(routes.find("/node/47110/4711/main.js", 4711).kind == RouteKind::file);
     CHECK(routes.find("/node/n1/4711", 4711).kind == RouteKind::slash);
     for (const char* path : {"/node/n1/4712/main.js", "/node/n1/main.js", "/node/n1/4711main.js",
                              "/node/n1/4711/../secret", "/node/n1/4711//main.js",
@@ -120,9 +125,10 @@ TEST_CASE("a download may be called as the port") {
 TEST_CASE("a file that is missing at start is named") {
     const Folders at;
     RouteFolders folders = at.folders;
-    folders.d3 = "/nowhere/d3.js";
-    CHECK_THROWS_WITH_AS(Routes{folders}, doctest::Contains("/nowhere/d3.js is missing; Debian's"),
-                         RequestError);
+    folders.bundle = "/nowhere";
+    CHECK_THROWS_WITH_AS(Routes{folders}, doctest::Contains("/nowhere is missing"), RequestError);
+    folders.bundle.clear();
+    CHECK(Routes(folders).find("/main.js").file.path == at.folders.page / "main.js");
     std::filesystem::remove(at.folders.page / "index.html");
     CHECK_THROWS_WITH_AS(Routes{at.folders}, doctest::Contains("index.html is missing"),
                          RequestError);

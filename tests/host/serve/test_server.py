@@ -20,7 +20,7 @@ class Access(Case):
         self.assertEqual((status, body), (200, b"<h1>page</h1>"))
         cookie, *flags = headers["set-cookie"].split("; ")
         self.assertEqual(flags, ["HttpOnly", "SameSite=Strict"])
-        for path in ("/", "/main.js", "/d3.js", "/download/mesh.ply"):
+        for path in ("/", "/main.js", "/download/mesh.ply"):
             self.assertEqual(self.server.request(path, token=False)[0], 403, path)
             with_cookie = self.server.request(path, token=False, headers={"Cookie": cookie})
             self.assertEqual(with_cookie[0], 200, path)
@@ -62,7 +62,7 @@ class Access(Case):
             self.assertNotIn(b"secret\n", body + b"\n", path)
 
     def test_the_page_is_compressed_for_those_who_accept_gzip(self):
-        for path in ("/", "/main.js", "/d3.js"):
+        for path in ("/", "/main.js"):
             _, plain_headers, plain = self.server.request(path)
             self.assertNotIn("content-encoding", plain_headers)
             for accepted in ("gzip", "br, gzip", "deflate;q=1, gzip ; q=0.5"):

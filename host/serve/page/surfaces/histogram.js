@@ -1,6 +1,7 @@
 // The histogram of the volume. Each surface is a handle that the user drags.
 import {h, s, setText, update} from '../elements/dom.js';
 import {isoCommand, plain, roundIso} from '../link/lines.js';
+import {drawAxis, outline, Scale} from './axis.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
@@ -46,7 +47,7 @@ export class Histogram {
     /** @private @type {Map<string, Ahead>} isovalues ahead of the state */
     this.ahead_ = new Map();
     /** @private */
-    this.x_ = d3.scaleLinear();
+    this.scale_ = new Scale();
     /** @private Pixels of a rem. */
     this.rem_ = 13;
     /** @private Width of the histogram, CSS pixels. */
@@ -132,16 +133,12 @@ export class Histogram {
     const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
     update(this.svg_, {height: HEIGHT * this.rem_});
     update(this.axis_, {transform: `translate(0 ${base})`});
-    this.x_ = d3.scaleLinear([counts.first, last], [side, width - side]);
+    const scale = this.scale_ = new Scale(counts.first, last, side, width - side);
     const most = Math.log1p(Math.max(...counts.counts, 1));
-    const y = (/** @type {number} */ n) => base - Math.log1p(n) / most * (base - top);
-    const area = d3.area().curve(d3.curveStepAfter)
-      .x((/** @type {number} */ _, /** @type {number} */ k) =>
-        this.x_(counts.first + k * counts.width))
-      .y0(base).y1(y);
-    update(this.area_, {d: area([...counts.counts, counts.counts.at(-1)])});
-    const ticks = Math.max(3, Math.round(width / (5 * this.rem_)));
-    d3.select(this.axis_).call(d3.axisBottom(this.x_).ticks(ticks).tickSizeOuter(0));
+    const tops = counts.counts.map(n => base - Math.log1p(n) / most * (base - top));
+    update(this.area_, {
+      d: outline(tops, base, k => scale.at(counts.first + k * counts.width))});
+    drawAxis(this.axis_, scale, Math.max(3, Math.round(width / (5 * this.rem_))));
     this.drawHandles_();
   }
 
@@ -169,8 +166,8 @@ export class Histogram {
   drawHandle_(surface, row) {
     const handle = this.handles_.get(surface.name) ?? this.makeHandle_(surface.name);
     const value = this.valueOf_(surface.name);
-    const [low, high] = this.x_.domain();
-    const x = this.x_(Math.max(low, Math.min(high, value)));
+    const {low, high} = this.scale_;
+    const x = this.scale_.at(Math.max(low, Math.min(high, value)));
     const unit = this.app_.store.state?.volume?.unit ?? '';
     const isChosen = surface.name === this.selection_.name;
     update(handle, {
@@ -232,11 +229,11 @@ export class Histogram {
     event.preventDefault();
     handle.focus();
     const left = this.svg_.getBoundingClientRect().left;
-    let before = event.clientX, x = this.x_(this.valueOf_(name));
+    let before = event.clientX, x = this.scale_.at(this.valueOf_(name));
     const move = (/** @type {PointerEvent} */ moved) => {
       x = moved.shiftKey ? x + (moved.clientX - before) * FINE : moved.clientX - left;
       before = moved.clientX;
-      this.setTo(name, this.x_.invert(x));
+      this.setTo(name, this.scale_.valueAt(x));
     };
     const end = () => {
       this.svg_.removeEventListener('pointermove', move);
@@ -269,7 +266,7 @@ export class Histogram {
     if (!volume) {
       return;
     }
-    const [low, high] = this.x_.domain();
+    const {low, high} = this.scale_;
     const value = roundIso(Math.max(low, Math.min(high, wished)), volume);
     const ahead = this.ahead_.get(name) ?? {value: NaN, underWay: 0, revision: 0};
     if (value === ahead.value) {
@@ -310,7 +307,7 @@ export class Histogram {
     if (this.app_.connection.watches || event.ctrlKey || event.metaKey) {
       return;
     }
-    const [low, high] = this.x_.domain();
+    const {low, high} = this.scale_;
     const step = (high - low >= KEY_STEPS ? 1 : (high - low) / KEY_STEPS)
       * (event.shiftKey ? COARSE : 1);
     const now = this.valueOf_(name);

@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""Bundles the page: one module and one style sheet instead of about 90 files.
+
+usage: bundle_page.py ESBUILD PAGE OUT
+
+Writes main.js, page.css, their source maps and index.html to OUT. index.html names both files with
+a hash of their bytes (main.js?v=...), so that a browser may keep them until they change.
+"""
+import hashlib
+import pathlib
+import re
+import subprocess
+import sys
+
+ENTRIES = ("main.js", "page.css")
+
+
+def with_hashes(page, folder):
+    """`page`, index.html's text, with the hash of each bundled file after its name."""
+    for name in ENTRIES:
+        digest = hashlib.sha256((folder / name).read_bytes()).hexdigest()[:16]
+        page, count = re.subn(rf'(="{re.escape(name)})"', rf'\1?v={digest}"', page)
+        if count != 1:
+            sys.exit(f"bundle_page.py: index.html names {name} {count} times, expected once")
+    return page
+
+
+def main(esbuild, source, out):
+    source, out = pathlib.Path(source), pathlib.Path(out)
+    out.mkdir(parents=True, exist_ok=True)
+    subprocess.run([esbuild, *ENTRIES, "--bundle", "--minify", "--format=esm", "--target=es2022",
+                    "--sourcemap", "--log-level=warning", f"--outdir={out.resolve()}"],
+                   cwd=source, check=True)
+    page = (source / "index.html").read_text(encoding="utf-8")
+    (out / "index.html").write_text(with_hashes(page, out), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 4:
+        sys.exit(__doc__)
+    main(*sys.argv[1:])
