@@ -99,7 +99,7 @@ test('measurements are told in words', () => {
   assert.equal(measureText({kind: 'rectangle', value: 0.0432}), '0.043 mm²');
   // Least and most are values that voxels have.
   assert.equal(valuesText(valuesOf([12345, 30001, 32767]), ''),
-    'mean 25040, deviation 11080, 12345 to 32767, 3 voxels');
+    'mean 25,040, deviation 11,080, 12,345 to 32,767, 3 voxels');
   assert.equal(valuesText(valuesOf([7]), 'HU'), 'mean 7, 7 to 7 HU, 1 voxel');
 });
 

@@ -1,4 +1,5 @@
 // The controllers: grab and turn, cut, change the isovalue, measure, recenter.
+import {grouped, short} from '../elements/numbers.js';
 import {isoCommand, plain, roundIso} from '../link/lines.js';
 import {SIDES} from '../picture/projection.js';
 import {add, dot, length, minus, poseOf, rotated} from './rigid.js';
@@ -201,7 +202,7 @@ export class Hands {
     const step = Math.sign(tilt) * share ** 2 * (maximum - minimum) / SWEEP_S * passed_s;
     this.iso_.value = Math.max(minimum, Math.min(maximum, this.iso_.value + step));
     const value = roundIso(this.iso_.value, volume);
-    this.value = [surface.name, plain(value), volume.unit].filter(Boolean).join(' ');
+    this.value = [surface.name, short(value), volume.unit].filter(Boolean).join(' ');
     void connection.set(isoCommand(surface.name, value));
   }
 
@@ -261,5 +262,5 @@ export class Hands {
 
 /** @param {number} mm */
 function lengthText(mm) {
-  return `${mm.toFixed(mm < 100 ? 1 : 0)} mm`;
+  return `${grouped(mm, mm < 100 ? 1 : 0)} mm`;
 }

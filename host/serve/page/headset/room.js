@@ -1,4 +1,5 @@
 // The room around the patient: floor, letters, size, distances, hands, sentences.
+import {significant} from '../elements/numbers.js';
 import {SIDES} from '../picture/projection.js';
 import {add, cross, dot, length, minus, rotated, times, unit} from './rigid.js';
 
@@ -78,7 +79,7 @@ export function sizeText(magnification) {
   if (Math.abs(magnification - 1) < 0.005) {
     return 'natural size';
   }
-  return `${magnification.toPrecision(magnification < 10 ? 2 : 3)} × natural size`;
+  return `${significant(magnification, magnification < 10 ? 2 : 3)} × natural size`;
 }
 
 /**

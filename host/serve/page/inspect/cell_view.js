@@ -1,6 +1,7 @@
 // One voxel cell in 3D: eight values, the triangle, and the point that the pixel's ray hits.
 // Dragging and arrow keys rotate the cell.
 import {h, s} from '../elements/dom.js';
+import {grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {[number, number, number]} Vector */
 
@@ -33,7 +34,7 @@ const EDGES = [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [
  * @param {number} value
  */
 function valueText(value) {
-  return String(Number(value.toPrecision(5)));
+  return significant(value, 5);
 }
 
 export class CellView {
@@ -138,7 +139,8 @@ export class CellView {
     const marks = (cell.corners ?? []).map(({voxel, fraction, value_0, value_1}) => {
       const {x, y} = this.inCell_(cell, voxel);
       const title = fraction === undefined ? 'center of the crossings of the cell'
-        : `${(100 * fraction).toFixed(1)} % of the way from ${value_0} to ${value_1}`;
+        : `${grouped(100 * fraction, 1)} % of the way from ${valueText(value_0 ?? 0)} to `
+          + valueText(value_1 ?? 0);
       return s('circle', {class: 'crossing', cx: x, cy: y, r: 4, fill: this.color_},
         s('title', {}, title));
     });

@@ -2,6 +2,7 @@
 // disassembly.
 import {contextOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
+import {counted, grouped} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
 
 /**
@@ -46,10 +47,12 @@ export class StreamView {
    * @param {(question: {ask: string, [key: string]: unknown}) =>
    *   Promise<import('../link/types.js').Answer>} ask
    * @param {(sentence: string) => void} fail
+   * @param {(scrub: Scrub) => void} [shown]  Called after each step.
    */
-  constructor(ask, fail) {
+  constructor(ask, fail, shown = () => {}) {
     /** @private */ this.ask_ = ask;
     /** @private */ this.fail_ = fail;
+    /** @private */ this.shown_ = shown;
     /** @private @type {{x: number, y: number} | null} */ this.pixel_ = null;
     /** @private @type {Scrub | null} */ this.last_ = null;
     /** @private @type {number[]} */ this.changes_ = [];
@@ -122,6 +125,15 @@ export class StreamView {
     this.seek_(-1);
   }
 
+  /**
+   * Goes to a position of the stream, or to its end if the stream is shorter.
+   * @param {number} at   Executed instructions.
+   */
+  goTo(at) {
+    this.setPlaying_(false);
+    this.seek_(at);
+  }
+
   /** Stops playing. */
   stop() {
     this.setPlaying_(false);
@@ -183,9 +195,9 @@ export class StreamView {
     this.mark_.style.top = `${(y - scrub.y0 + 0.5) / EDGE * 100}%`;
     this.slider.max = String(scrub.count);
     this.slider.value = String(scrub.at);
-    this.status_.textContent = `${scrub.at.toLocaleString('en')} of ` +
-      `${scrub.count.toLocaleString('en')} instructions executed, region ${scrub.region} on ` +
-      `renderer-${scrub.renderer}, ${scrub.enabled.toLocaleString('en')} pixels enabled`;
+    this.status_.textContent = `${grouped(scrub.at)} of ` +
+      `${counted(scrub.count, 'instruction')} executed, region ${scrub.region} on ` +
+      `renderer-${scrub.renderer}, ${counted(scrub.enabled, 'pixel')} enabled`;
     const next = scrub.lines.find(line => line.at === scrub.at);
     this.meaning_.textContent = next ? `Next (${next.address}): ${next.meaning}`
       : 'All instructions are executed.';
@@ -193,8 +205,9 @@ export class StreamView {
       class: line.at === scrub.at ? 'now' : '', title: line.address,
       'aria-current': line.at === scrub.at ? 'step' : null,
       onclick: () => this.user_(line.at),
-    }, h('span', {class: 'muted number'}, String(line.at)), h('code', {}, line.text),
+    }, h('span', {class: 'muted number'}, grouped(line.at)), h('code', {}, line.text),
     line.effect ? h('span', {class: 'effect'}, line.effect) : '')));
+    this.shown_(scrub);
   }
 
   /**

@@ -1,6 +1,7 @@
 // The result of `why` as cards: pixel, instructions, triangle, cell.
 import {CellView} from './cell_view.js';
 import {h} from '../elements/dom.js';
+import {grouped, short} from '../elements/numbers.js';
 
 /** @typedef {import('./cell_view.js').Cell} Cell */
 /** @typedef {{surface_field: number, z: number, normal: number[], rgb: number}} PixelState */
@@ -60,7 +61,7 @@ function colorOf(parts) {
 function changeText({before, after}) {
   /** @type {[string, string, string][]} */
   const fields = [['surface', String(before.surface_field), String(after.surface_field)],
-    ['depth', String(before.z), String(after.z)],
+    ['depth', grouped(before.z), grouped(after.z)],
     ['normal', `(${before.normal.join(', ')})`, `(${after.normal.join(', ')})`],
     ['color', colorText(before.rgb), colorText(after.rgb)]];
   return fields.filter(([, a, b]) => a !== b).map(([name, a, b]) => `${name} ${a} → ${b}`)
@@ -83,7 +84,7 @@ function writeList(writes) {
   return h('ol', {class: 'writes'}, ...writes.slice(0, MOST_WRITES).map(write => h('li', {},
     h('code', {}, write.instruction), h('span', {class: 'muted'}, changeText(write)))),
   writes.length > MOST_WRITES ? h('li', {class: 'muted'},
-    `and ${writes.length - MOST_WRITES} more`) : '');
+    `and ${grouped(writes.length - MOST_WRITES)} more`) : '');
 }
 
 /** @param {Why} why */
@@ -128,15 +129,16 @@ function visitRow(visit, isShown) {
   const result = isShown ? 'shown' : visit.shut_out ? 'masked' : visit.stored ? 'overwritten'
     : 'behind';
   return h('tr', {class: isShown ? 'shown' : ''}, h('td', {}, what),
-    h('td', {class: 'number'}, visit.z ?? '–'), h('td', {}, result));
+    h('td', {class: 'number'}, visit.z === undefined ? '–' : grouped(visit.z)),
+    h('td', {}, result));
 }
 
 /** @param {Why} why */
 function coverText({visits, primitives_in_region}) {
-  const all = primitives_in_region.toLocaleString('en');
+  const all = grouped(primitives_in_region);
   return visits.length === 0 ? `None of the region’s ${all} primitives covers this pixel.`
-    : `${visits.length} of the region’s ${all} primitives cover this pixel. The smallest depth ` +
-      'is in front.';
+    : `${grouped(visits.length)} of the region’s ${all} primitives cover this pixel. ` +
+      'The smallest depth is in front.';
 }
 
 /**
@@ -145,7 +147,7 @@ function coverText({visits, primitives_in_region}) {
  */
 function triangleCard(why, shown) {
   const surface = shown && why.surfaces[shown.surface];
-  const iso = surface?.isovalue === undefined ? '' : `, isovalue ${surface.isovalue}`;
+  const iso = surface?.isovalue === undefined ? '' : `, isovalue ${short(surface.isovalue, 3)}`;
   return card('Triangle', 'why-triangle',
     shown ? h('p', {}, `From gp-${shown.gp}, slab ${shown.slab}, surface ${shown.surface}` +
       `${iso}.`) : '',
@@ -171,7 +173,7 @@ function cellCard(cell, surface, view) {
   const inside = cell.values.filter(value => value >= Number(surface.isovalue)).length;
   return card(title, 'why-cell',
     h('p', {class: 'muted'}, `Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8 ` +
-      `voxels are inside (at least ${surface.isovalue}), drawn filled. Triangle ` +
+      `voxels are inside (at least ${short(surface.isovalue, 3)}), drawn filled. Triangle ` +
       `${cell.triangle} of ${cell.triangle_count}. Drag to rotate.`),
     view.element, cell.doubt ? h('p', {class: 'panel-message bad'}, cell.doubt) : '');
 }

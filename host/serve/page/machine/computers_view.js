@@ -1,6 +1,6 @@
 // The other computers of a machine: their state, and buttons that use or release them.
 import {h} from '../elements/dom.js';
-import {counted} from '../panel/panel_parts.js';
+import {counted} from '../elements/numbers.js';
 
 /**
  * An entry of the answer to the command `computers`.

@@ -1,6 +1,7 @@
 // Part of the machine panel: the modelled time of the 1993 machine for the current scene.
 import {h} from '../elements/dom.js';
-import {counted, messageLine} from '../panel/panel_parts.js';
+import {counted, duration, percent, significant} from '../elements/numbers.js';
+import {messageLine} from '../panel/panel_parts.js';
 
 /**
  * How busy the units of a kind were: shares of the time, 0..1; index of the busiest one, from 0.
@@ -24,6 +25,11 @@ import {counted, messageLine} from '../panel/panel_parts.js';
  *   limit: string, use: UnitUse[]}} frame  latency_ms: from the command until it is shown.
  */
 
+/**
+ * The `detail` of the event `estimated` on `document`.
+ * @typedef {{result: Modelled | null, revision: number, error: string}} Estimated
+ */
+
 /** Names of the units on the page. */
 const UNITS = new Map([['GP', 'GPs'], ['ring', 'ring channels'], ['Renderer', 'Renderers'],
   ['frame buffer', 'frame buffer ports']]);
@@ -31,18 +37,6 @@ const UNITS = new Map([['GP', 'GPs'], ['ring', 'ring channels'], ['Renderer', 'R
 /** @param {string} unit */
 function unitName(unit) {
   return UNITS.get(unit) ?? unit;
-}
-
-/** @param {number} ms */
-function timeText(ms) {
-  // Rounds first, so that 999.9 ms becomes 1 s.
-  const rounded = Number(ms.toPrecision(3));
-  return rounded < 1000 ? `${rounded} ms` : `${Number((ms / 1000).toPrecision(3))} s`;
-}
-
-/** @param {number} share */
-function percent(share) {
-  return `${Math.round(100 * share)} %`;
 }
 
 /** @param {{limit: string, use: UnitUse[]}} step */
@@ -65,15 +59,15 @@ export function factsOf({machine, gps, renderers, frame_buffers, load, surfaces,
   const facts = [['Machine', `${machine}\n${counted(gps, 'GP')}, ` +
     `${counted(renderers, 'Renderer')}\n${counted(frame_buffers, 'frame buffer')}`]];
   if (load) {
-    facts.push(['Load time', `${timeText(load.ms)}\n${limitText(load)}`]);
+    facts.push(['Load time', `${duration(load.ms)}\n${limitText(load)}`]);
   }
   for (const surface of surfaces) {
-    facts.push([`Surface ${surface.name}`, `extracted in ${timeText(surface.ms)}\n` +
+    facts.push([`Surface ${surface.name}`, `extracted in ${duration(surface.ms)}\n` +
       `${counted(surface.triangles, 'triangle')}\n${limitText(surface)}`]);
   }
   const {primitives, samples, frames_per_s, latency_ms} = frame;
-  const rate = Number(frames_per_s.toPrecision(3));
-  facts.push(['Frames', `${rate} frames/s\nlatency ${timeText(latency_ms)}\n` +
+  const rate = significant(frames_per_s, 3);
+  facts.push(['Frames', `${rate} frames/s\nlatency ${duration(latency_ms)}\n` +
     `${counted(primitives, 'primitive')}\n${counted(samples, 'sample')} per pixel\n` +
     limitText(frame)]);
   return facts;
@@ -129,6 +123,7 @@ export class ModelView {
         'work. The work is counted and replayed on a model of that machine.'),
       h('div', {class: 'tool-row'}, this.go_, this.message_.element), this.told_);
     app.store.subscribe(['revision'], ({revision}) => this.compare_(revision));
+    document.addEventListener('estimate', () => this.go_.click());
     app.connection.on('hello', () => {
       this.go_.hidden = app.connection.watches;
       this.message_.say(app.connection.watches
@@ -151,6 +146,8 @@ export class ModelView {
     } else {
       this.message_.fail(reply.error ?? 'The machine did not answer.');
     }
+    document.dispatchEvent(new CustomEvent('estimated', {detail: {result: reply.result ?? null,
+      revision: reply.revision ?? 0, error: reply.ok ? '' : reply.error ?? ''}}));
   }
 
   /**

@@ -1,5 +1,6 @@
 // A dialog with the activity of one node, and a button that kills the node.
 import {h} from '../elements/dom.js';
+import {grouped, percent} from '../elements/numbers.js';
 import {memoryText} from './node_list.js';
 import {sumsOf} from './ring_flow.js';
 
@@ -22,9 +23,10 @@ function table(head, rows) {
 function tablesOf(node) {
   const sums = sumsOf(node.sent);
   return [node.stages.length > 0 ? table(['stage', 'ms'], node.stages.map(({name, ms}) =>
-    [name.replaceAll('_', ' '), ms.toFixed(1)])) : '',
+    [name.replaceAll('_', ' '), grouped(ms, 1)])) : '',
   sums.length > 0 ? table(['sent to', 'kind', 'channels', 'messages', 'kB'], sums.map(each =>
-    [each.to, each.kind, each.channels.join(' '), each.messages, (each.bytes / 1e3).toFixed(1)]))
+    [each.to, each.kind, each.channels.join(' '), grouped(each.messages),
+      grouped(each.bytes / 1e3, 1)]))
     : h('p', {class: 'legend'}, 'No messages were sent.'),
   sums.length > MOST_ROWS ? h('p', {class: 'legend'},
     `Showing the ${MOST_ROWS} largest of ${sums.length}.`) : ''];
@@ -69,8 +71,8 @@ export class NodeDialog {
         : 'This node is too busy to report. The tables show its last report.';
       return;
     }
-    this.status_.textContent = `In the last ${((node.wall_ms ?? 0) / 1000).toFixed(2)} s: ` +
-      `${Math.round(100 * node.busy)} % busy, ${node.queue} in the message queue, ` +
+    this.status_.textContent = `In the last ${grouped((node.wall_ms ?? 0) / 1000, 2)} s: ` +
+      `${percent(node.busy)} busy, ${grouped(node.queue)} in the message queue, ` +
       `${memoryText(node.memory_bytes)} of memory.`;
     this.tables_.replaceChildren(...tablesOf(node));
   }

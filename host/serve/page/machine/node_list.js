@@ -1,5 +1,6 @@
 // The load of each node, now and in the last seconds. Each node is a button with a dialog.
 import {h, s} from '../elements/dom.js';
+import {grouped, percent} from '../elements/numbers.js';
 
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
 
@@ -10,8 +11,8 @@ const SPARK = [HISTORY, 16];
  * @param {number} bytes
  */
 export function memoryText(bytes) {
-  return bytes < 1e5 ? `${Math.round(bytes / 1e3)} kB`
-    : `${(bytes / 1e6).toFixed(bytes < 1e7 ? 1 : 0)} MB`;
+  return bytes < 1e5 ? `${grouped(bytes / 1e3)} kB`
+    : `${grouped(bytes / 1e6, bytes < 1e7 ? 1 : 0)} MB`;
 }
 
 /**
@@ -73,12 +74,12 @@ class NodeCell {
       this.shares_.push(Math.min(Math.max(busy, 0), 1));
       this.shares_.splice(0, this.shares_.length - HISTORY);
     }
-    const percent = known ? `${Math.round(100 * busy)} %` : '…';
-    this.percent_.textContent = percent;
+    const load = known ? percent(busy) : '…';
+    this.percent_.textContent = load;
     this.bar_.setAttribute('width', String(known ? 100 * busy : 0));
     this.path_.setAttribute('d', sparkPath(this.shares_));
     this.element.title = known
-      ? `${name}: ${percent} busy, ${memoryText(memory_bytes)}, ${queue} in the message queue`
+      ? `${name}: ${load} busy, ${memoryText(memory_bytes)}, ${grouped(queue)} in the message queue`
       : `${name} is too busy to report`;
   }
 }

@@ -1,5 +1,6 @@
 // How late the screen follows the pointer or the head, and how old the machine's pictures are.
 import {h} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
 
 /**
  * The median and the value that 95 % do not exceed; null for an empty list.
@@ -28,9 +29,9 @@ export class PointerTimes {
     this.element.hidden = !pointer || !picture;
     if (pointer && picture) {
       this.element.textContent = 'From the pointer to the screen: '
-        + `${pointer.median.toFixed(0)} ms (median), ${pointer.most.toFixed(0)} ms (95 %). `
+        + `${grouped(pointer.median)} ms (median), ${grouped(pointer.most)} ms (95 %). `
         + 'Age of the viewpoint that the machine drew: '
-        + `${picture.median.toFixed(0)} ms, ${picture.most.toFixed(0)} ms.`;
+        + `${grouped(picture.median)} ms, ${grouped(picture.most)} ms.`;
     }
   }
 }
@@ -49,11 +50,11 @@ export class HeadsetTimes {
     this.element.hidden = !pose || !age;
     if (pose && age) {
       this.element.textContent = 'Headset, from the pose to the pixels: '
-        + `${pose.median.toFixed(0)} ms (median), ${pose.most.toFixed(0)} ms (95 %). `
-        + `Age of the pose that the machine drew: ${age.median.toFixed(0)} ms, `
-        + `${age.most.toFixed(0)} ms.`
-        + (error ? ` Error of the predicted pose: ${error.median.toFixed(1)} mm, `
-          + `${error.most.toFixed(1)} mm.` : '');
+        + `${grouped(pose.median)} ms (median), ${grouped(pose.most)} ms (95 %). `
+        + `Age of the pose that the machine drew: ${grouped(age.median)} ms, `
+        + `${grouped(age.most)} ms.`
+        + (error ? ` Error of the predicted pose: ${grouped(error.median, 1)} mm, `
+          + `${grouped(error.most, 1)} mm.` : '');
     }
   }
 }

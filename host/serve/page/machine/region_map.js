@@ -1,6 +1,7 @@
 // A small copy of the picture with its regions: the Renderer and the cycles of each region.
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {byId, h} from '../elements/dom.js';
+import {counted, grouped} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
 
 /** @typedef {{columns: number, rows: number, renderer: number[], cycles: number[]}} Regions */
@@ -142,14 +143,14 @@ export class RegionMap {
       const all = regions.cycles.reduce((sum, each) => sum + each, 0);
       const most = Math.max(...regions.cycles);
       this.readout.textContent = 'Number and color show the Renderer, lightness the ' +
-        `cycles: maximum ${most.toLocaleString('en')}, total ${all.toLocaleString('en')}.`;
+        `cycles: maximum ${grouped(most)}, total ${grouped(all)}.`;
     } else {
       const renderer = regions.renderer[this.hovered_];
       const column = this.hovered_ % regions.columns;
       const row = Math.floor(this.hovered_ / regions.columns);
       this.readout.textContent = `Region (${column}, ${row}): ` +
         `${renderer === undefined ? '' : `renderer-${renderer}, `}` +
-        `${(regions.cycles[this.hovered_] ?? 0).toLocaleString('en')} cycles`;
+        counted(regions.cycles[this.hovered_] ?? 0, 'cycle');
     }
   }
 }

@@ -2,6 +2,7 @@
 import {fitted, onceAFrame, prefersReducedMotion, styleColor, watchSize}
   from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
+import {counted, grouped, percent} from '../elements/numbers.js';
 import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
 
 /** @typedef {import('./ring_flow.js').Flow} Flow */
@@ -130,7 +131,7 @@ export class RingView {
     }
     this.scale_.textContent = flows.length === 0 ? 'No messages: the machine is idle.'
       : prefersReducedMotion() ? 'Brighter arcs carried more messages.'
-        : `One dot is ${each === 1 ? '1 message' : `${each} messages`}.`;
+        : `One dot is ${counted(each, 'message')}.`;
     this.canvas.setAttribute('aria-label', `Ring of ${report.nodes.length} nodes`);
     this.drawSoon_();
     this.run_();
@@ -290,10 +291,10 @@ export class RingView {
       : report.channels.reduce((sum, each) => sum + each.messages, 0);
     const bytes = node ? node.sent.reduce((sum, each) => sum + each.bytes, 0)
       : report.channels.reduce((sum, each) => sum + each.bytes, 0);
-    const lines = [node ? node.name : `${(report.frames / seconds).toFixed(1)} frames/s`,
-      `${Math.round(messages / seconds)} messages/s`, `${(bytes / seconds / 1e6).toFixed(1)} MB/s`];
+    const lines = [node ? node.name : `${grouped(report.frames / seconds, 1)} frames/s`,
+      `${grouped(messages / seconds)} messages/s`, `${grouped(bytes / seconds / 1e6, 1)} MB/s`];
     if (node) {
-      lines.splice(1, 0, `${Math.round(100 * node.busy)} % busy`);
+      lines.splice(1, 0, `${percent(node.busy)} busy`);
     }
     context.textAlign = 'center';
     lines.forEach((line, number) => {

@@ -1,5 +1,6 @@
 // Time per frame: stages of the busiest node of each role, wall time and modelled time.
 import {h} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
@@ -30,7 +31,7 @@ export function rowsOf({nodes, frames}) {
 
 /** @param {number} ms */
 function msText(ms) {
-  return `${ms < 10 ? ms.toFixed(1) : ms.toFixed(0)} ms`;
+  return `${grouped(ms, ms < 10 ? 1 : 0)} ms`;
 }
 
 /**

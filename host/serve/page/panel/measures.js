@@ -1,4 +1,5 @@
 // The measurements of the user, which panels and slices add, show and remove.
+import {counted, grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle'} Kind */
@@ -349,9 +350,9 @@ export function valuesOf(values) {
 /** @param {Pick<Measure, 'kind' | 'value'>} measure */
 export function measureText({kind, value}) {
   if (kind === 'angle') {
-    return `${value.toFixed(1)}°`;
+    return `${grouped(value, 1)}°`;
   }
-  const digits = value < 1 ? Number(value.toPrecision(2)) : value.toFixed(value < 100 ? 1 : 0);
+  const digits = value < 1 ? significant(value, 2) : grouped(value, value < 100 ? 1 : 0);
   return `${digits} ${isRegion(kind) ? 'mm²' : 'mm'}`;
 }
 
@@ -361,7 +362,7 @@ export function measureText({kind, value}) {
  */
 export function slabNote(slice) {
   return slice?.slab_mm ? `, ${slice.slab_kind} of a slab of ` +
-    `${Number(slice.slab_mm.toPrecision(4))} mm` : '';
+    `${significant(slice.slab_mm, 4)} mm` : '';
 }
 
 /**
@@ -370,10 +371,7 @@ export function slabNote(slice) {
  * @param {string} unit
  */
 export function valuesText({voxels, mean, deviation, least, most}, unit) {
-  const digits = (/** @type {number} */ value, /** @type {number} */ count) =>
-    Number(value.toPrecision(count));
-  const spread = deviation === null ? '' : `, deviation ${digits(deviation, 4)}`;
-  const count = `${voxels.toLocaleString('en')} ${voxels === 1 ? 'voxel' : 'voxels'}`;
-  return `mean ${digits(mean, 4)}${spread}, ${digits(least, 6)} to ${digits(most, 6)}` +
-    `${unit ? ` ${unit}` : ''}, ${count}`;
+  const spread = deviation === null ? '' : `, deviation ${significant(deviation, 4)}`;
+  return `mean ${significant(mean, 4)}${spread}, ${significant(least, 6)} to ` +
+    `${significant(most, 6)}${unit ? ` ${unit}` : ''}, ${counted(voxels, 'voxel')}`;
 }

@@ -112,15 +112,6 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
 }
 
 /**
- * "1 node", "1,024 nodes".
- * @param {number} count
- * @param {string} what  One of them.
- */
-export function counted(count, what) {
-  return `${count.toLocaleString('en')} ${what}${count === 1 ? '' : 's'}`;
-}
-
-/**
  * The message of an exception.
  * @param {unknown} error
  */

@@ -1,5 +1,6 @@
 // The status line below the picture: quality, digest, speed and size.
 import {byId, h, setText, update} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
 import {composedSize, partsOf} from '../picture/stereo.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -30,8 +31,8 @@ export function createBadge(app) {
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     showQuality();
-    setText(speed, `${header.machine_ms.toFixed(0)} ms`
-      + (rate > 0 && !header.rests ? ` · ${rate.toFixed(0)} frames/s` : ''));
+    setText(speed, `${grouped(header.machine_ms)} ms`
+      + (rate > 0 && !header.rests ? ` · ${grouped(rate)} frames/s` : ''));
     speed.title = 'Time to render this frame, and displayed frames per second';
     const eye = [header.width, header.height];
     setText(size, (header.views === 1 ? eye
@@ -97,7 +98,7 @@ function qualityTitle({kind, quality, samples, moved_mm, fullColor}) {
  * @param {number} mm
  */
 function millimeters(mm) {
-  return (Math.ceil(mm * 100) / 100).toFixed(2);
+  return grouped(Math.ceil(mm * 100) / 100, 2);
 }
 
 /**

@@ -1,6 +1,6 @@
 // A click on the picture: passes it to the current mode, or moves the crosshair of all views.
 import {byId, h} from '../elements/dom.js';
-import {plain} from '../link/lines.js';
+import {grouped, short} from '../elements/numbers.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {{surface: string}} Hit */
@@ -65,8 +65,8 @@ async function point(app, {x, y}, words) {
     `${hits.indexOf(hit) < chosen ? 'in front' : 'behind'}: ${hit.surface}`);
   const unit = app.store.state?.volume?.unit ?? '';
   words.replaceChildren(h('strong', {}, surface),
-    ` isovalue ${plain(isovalue, 3)}${unit && ` ${unit}`}`,
-    value === undefined ? '' : `, nearest voxel ${plain(value, 3)}`,
+    ` isovalue ${short(isovalue, 3)}${unit && ` ${unit}`}`,
+    value === undefined ? '' : `, nearest voxel ${short(value, 3)}`,
     h('span', {class: 'muted'}, ` at ${sides(p_mm)}`),
     ...others.map(other => h('span', {class: 'muted'}, ` · ${other}`)));
   words.hidden = false;
@@ -79,6 +79,6 @@ async function point(app, {x, y}, words) {
  */
 function sides(p_mm) {
   const letters = [['L', 'R'], ['P', 'A'], ['S', 'I']];
-  return p_mm.map((mm, k) => `${Math.abs(mm).toFixed(1)} ${letters[k][mm < 0 ? 1 : 0]}`)
+  return p_mm.map((mm, k) => `${grouped(Math.abs(mm), 1)} ${letters[k][mm < 0 ? 1 : 0]}`)
     .join(', ') + ' mm';
 }

@@ -1,4 +1,5 @@
 // Converts between voxels and patient positions. Pure functions; column-major matrices.
+import {grouped} from '../elements/numbers.js';
 
 /**
  * @typedef {[number, number, number]} Vector
@@ -110,6 +111,6 @@ export function nearestVoxel(grid, voxel) {
  */
 export function patientText(p_mm) {
   const part = (/** @type {number} */ axis) =>
-    `${(p_mm[axis] < 0 ? 'RAI' : 'LPS')[axis]} ${Math.abs(p_mm[axis]).toFixed(1)}`;
+    `${(p_mm[axis] < 0 ? 'RAI' : 'LPS')[axis]} ${grouped(Math.abs(p_mm[axis]), 1)}`;
   return `${part(0)}  ${part(1)}  ${part(2)} mm`;
 }

@@ -1,5 +1,6 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
 import {styleColor} from '../elements/canvas.js';
+import {significant} from '../elements/numbers.js';
 import {isRegion} from '../panel/measures.js';
 import {isOn} from './slice_ends.js';
 import {boxAt, pixelAt} from './slice_pixels.js';
@@ -190,10 +191,10 @@ export function paintLetters({context, slice: {letters, slab}, width, height, un
     [letters.top, width / 2, upper, 'center'],
     [letters.bottom, width / 2, height - upper, 'center']];
   if (times > 1) {
-    places.push([`${Number(times.toPrecision(2))} ×`, LETTER_MARGIN, upper, 'left']);
+    places.push([`${significant(times, 2)} ×`, LETTER_MARGIN, upper, 'left']);
   }
   if (slab) {
-    places.push([`${slab.kind} ${Number(slab.thickness_mm.toPrecision(4))} mm`, LETTER_MARGIN,
+    places.push([`${slab.kind} ${significant(slab.thickness_mm, 4)} mm`, LETTER_MARGIN,
       height - upper, 'left']);
   }
   for (const [letter, x, y, align] of places) {

@@ -1,5 +1,6 @@
 // The line below the slices: a voxel, its value and place, and the values of slabs there.
 import {h} from '../elements/dom.js';
+import {significant} from '../elements/numbers.js';
 import {nearestVoxel, patientText, toPatient} from './patient_grid.js';
 import {slabText} from './slice_slab.js';
 
@@ -27,7 +28,7 @@ export class SliceReadout {
   tell(volume, voxel, value, isCrosshair, slabs) {
     const [x, y, z] = nearestVoxel(volume, voxel);
     const text = (/** @type {number} */ number) =>
-      `${Number(number.toPrecision(6))} ${volume.unit}`.trim();
+      `${significant(number, 6)} ${volume.unit}`.trim();
     this.element.replaceChildren(h('b', {}, text(value)),
       ` at ${isCrosshair ? 'the crosshair, ' : ''}voxel ${x}, ${y}, ${z}`,
       h('span', {}, patientText(toPatient(volume, voxel))),

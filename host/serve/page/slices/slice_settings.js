@@ -1,5 +1,6 @@
 // How slices look: zoom, interpolation, contours, colors.
 import {h} from '../elements/dom.js';
+import {significant} from '../elements/numbers.js';
 import {MOST_TIMES, ZOOM_STEP} from './slice_zoom.js';
 import {COLOR_MAPS} from './windows.js';
 
@@ -79,7 +80,7 @@ export class SliceSettings {
 
   /** @param {number} times  The zoom. */
   tellTimes(times) {
-    this.times_.textContent = `${Number(times.toPrecision(2))} ×`;
+    this.times_.textContent = `${significant(times, 2)} ×`;
     this.smaller_.disabled = times <= 1;
     this.larger_.disabled = times >= MOST_TIMES;
   }

@@ -1,5 +1,6 @@
 // Slabs: how thick each slice is shown, and what of the slab's voxels.
 import {h} from '../elements/dom.js';
+import {counted} from '../elements/numbers.js';
 import {numberField} from '../panel/panel_parts.js';
 
 /** @typedef {'max' | 'mean' | 'min'} SlabKind */
@@ -23,7 +24,7 @@ const ALL = 'all';
  */
 export function slabText({kind, slices: [first, last]}) {
   const count = last - first + 1;
-  return `${WORDS[kind]} of ${count} ${count === 1 ? 'slice' : 'slices'}`;
+  return `${WORDS[kind]} of ${counted(count, 'slice')}`;
 }
 
 /** A row of fields: thickness, kind, and the slices that they are for. */

@@ -1,4 +1,5 @@
 // Sentences about slices. Pure functions.
+import {counted, grouped} from '../elements/numbers.js';
 
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 /** @typedef {import('../link/vocabulary.js').ClipState} ClipState */
@@ -15,10 +16,10 @@ export function differing(volume, skew_deg) {
   const isTilted = Math.abs(skew_deg) >= LEAST_TILT_DEG;
   const isGantry = volume?.modality === 'CT';
   return [
-    gaps > 0 ? `Slices are missing in ${gaps} ${gaps === 1 ? 'place' : 'places'}: rows beside ` +
+    gaps > 0 ? `Slices are missing in ${counted(gaps, 'place')}: rows beside ` +
       'a gap are taller.' : '',
     isTilted ? `The ${isGantry ? 'gantry was tilted' : 'slices are sheared'} by ` +
-      `${Math.abs(skew_deg).toFixed(1)}°. Slices across the ${isGantry ? 'tilt' : 'shear'} ` +
+      `${grouped(Math.abs(skew_deg), 1)}°. Slices across the ${isGantry ? 'tilt' : 'shear'} ` +
       'are drawn without shear.' : '',
   ].filter(Boolean).join(' ');
 }

@@ -1,5 +1,6 @@
 // The window of the slices: two fields, presets, drags.
 import {h} from '../elements/dom.js';
+import {short} from '../elements/numbers.js';
 import {numberField} from '../panel/panel_parts.js';
 import {CT_WINDOWS, allValues, firstWindow, isHounsfield, mostValues} from './windows.js';
 
@@ -31,7 +32,7 @@ export class WindowControls {
     this.most_ = this.chip_('most', 'Auto', 'All but the lowest and highest 2 % of the voxels',
       () => this.counts_ && mostValues(this.counts_));
     const presets = CT_WINDOWS.map(({name, window, level}) => this.chip_(name, name,
-      `Window ${window}, level ${level}`, () => ({window, level}), 'hounsfield'));
+      `Window ${short(window)}, level ${short(level)}`, () => ({window, level}), 'hounsfield'));
     this.presets = h('div', {class: 'presets'}, ...presets.slice(0, IN_FIRST_ROW),
       this.most_, this.chip_('full', 'Full', 'Full range of values',
         () => this.volume_ && allValues(this.volume_)));

@@ -1,5 +1,6 @@
 // A linear axis: values along a line of pixels, with labels at round values.
 import {s, update} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
 
 const TICK = 6;             // Pixels of a mark.
 const STEPS = [1, 2, 5, 10];
@@ -82,11 +83,9 @@ function short(pixels) {
  */
 export function drawAxis(group, scale, count) {
   const {values, digits} = roundValues(scale.low, scale.high, count);
-  const write = new Intl.NumberFormat('en-US',
-    {minimumFractionDigits: digits, maximumFractionDigits: digits});
   const line = s('path', {fill: 'none', d: `M${short(scale.left)} 0.5H${short(scale.right)}`});
   group.replaceChildren(line, ...values.map(value =>
     s('g', {transform: `translate(${short(scale.at(value))} 0)`}, s('line', {y2: TICK}),
-      s('text', {y: TICK + 3, dy: '0.71em'}, write.format(value)))));
+      s('text', {y: TICK + 3, dy: '0.71em'}, grouped(value, digits)))));
   update(group, {'text-anchor': 'middle'});
 }

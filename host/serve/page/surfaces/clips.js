@@ -1,5 +1,6 @@
 // Clip planes: one for each side of the patient, and a box.
 import {h} from '../elements/dom.js';
+import {short} from '../elements/numbers.js';
 import {plain} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
 import {SIDES} from '../picture/projection.js';
@@ -116,6 +117,6 @@ class PlaneRow {
     }
     const at = words.split(' ')[1] ?? '0';
     show(this.place_, at);
-    this.text_.textContent = `${plain(Number(at), 1)} mm`;
+    this.text_.textContent = `${short(Number(at), 1)} mm`;
   }
 }

@@ -1,6 +1,7 @@
 // The histogram of the volume. Each surface is a handle that the user drags.
 import {h, s, setText, update} from '../elements/dom.js';
-import {isoCommand, plain, roundIso} from '../link/lines.js';
+import {short} from '../elements/numbers.js';
+import {isoCommand, roundIso} from '../link/lines.js';
 import {drawAxis, outline, Scale} from './axis.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -172,7 +173,7 @@ export class Histogram {
     const isChosen = surface.name === this.selection_.name;
     update(handle, {
       transform: `translate(${x.toFixed(1)} 0)`, 'aria-valuemin': low, 'aria-valuemax': high,
-      'aria-valuenow': value, 'aria-valuetext': `${plain(value, 4)} ${unit}`,
+      'aria-valuenow': value, 'aria-valuetext': `${short(value, 4)} ${unit}`,
       class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
     });
     const [line, grip, label, reach, , beyond] = handle.children;
@@ -186,7 +187,7 @@ export class Histogram {
     const foot = base - size / 2;
     update(beyond, {visibility: way === 0 ? 'hidden' : 'visible',
       d: `M${way * size * 1.2} ${foot}L${way * 3} ${foot - size / 2}V${foot + size / 2}Z`});
-    setText(label, `${surface.name} ${plain(value, 3)}`);
+    setText(label, `${surface.name} ${short(value, 3)}`);
     const isLeft = x < this.width_ / 2;
     update(label, {x: isLeft ? size : -size, y: top + size - 1,
       'text-anchor': isLeft ? 'start' : 'end'});

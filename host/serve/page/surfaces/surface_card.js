@@ -1,5 +1,6 @@
 // One surface in the list: a row, and details if the surface is chosen.
 import {h} from '../elements/dom.js';
+import {counted, grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
 
@@ -11,16 +12,6 @@ const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tab
   ['asymptotic', 'asymptotic decider']]);
 const LEAST_ML = [0.1, 1, 10, 100];
 const ISO_DIGITS = 7;  // Significant digits of an isovalue in its field.
-
-/**
- * A number with commas between thousands.
- * @param {number} value
- * @param {number} digits
- */
-export function grouped(value, digits = 0) {
-  return value.toLocaleString('en', {minimumFractionDigits: digits,
-    maximumFractionDigits: digits});
-}
 
 /**
  * Shows a value unless the user is editing the field.
@@ -43,8 +34,8 @@ function outside(isovalue, volume) {
     return '';
   }
   const side = isovalue < volume.minimum ? 'below' : 'above';
-  return `: it is ${side} the range of the volume, ${plain(volume.minimum, 3)} to `
-    + `${plain(volume.maximum, 3)} ${volume.unit}`.trimEnd();
+  return `: it is ${side} the range of the volume, ${short(volume.minimum, 3)} to `
+    + `${short(volume.maximum, 3)} ${volume.unit}`.trimEnd();
 }
 
 export class SurfaceCard {
@@ -142,11 +133,11 @@ export class SurfaceCard {
     show(this.iso_, plain(Number(surface.isovalue.toPrecision(ISO_DIGITS)), 6));
     this.iso_.title = String(surface.isovalue);
     show(this.opacity_, String(surface.opacity));
-    this.opacityText_.textContent = `${Math.round(surface.opacity * 100)} %`;
+    this.opacityText_.textContent = percent(surface.opacity);
     const isFiltered = surface.components !== '' && surface.components !== 'all';
     this.facts_.textContent = surface.triangles === 0
       ? `No surface at this value${outside(surface.isovalue, this.app_.store.state?.volume)}.`
-      : `${grouped(surface.triangles)} triangles, ${grouped(surface.area_mm2 / 100, 1)} cm², `
+      : `${counted(surface.triangles, 'triangle')}, ${grouped(surface.area_mm2 / 100, 1)} cm², `
         + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' (all parts)' : ''}, `
         + `extracted in ${grouped(surface.extraction_ms, 0)} ms`;
     // Files of an open mesh have no volume, so the card says what it counts.
@@ -266,7 +257,7 @@ export class SurfaceCard {
     this.certificate_.replaceChildren(h('details', {},
       h('summary', {}, h('span', {class: isSound ? 'seal good' : 'seal bad'},
         isSound ? '✓ sound' : '✗ defects'), ` ${first.replace(/^[^:]*:\s*/, '')}`),
-      h('p', {class: 'muted report'}, rest.map(line => line.trim()).join('\n'))));
+      h('p', {class: 'muted report'}, rewritten(rest.map(line => line.trim()).join('\n')))));
   }
 
   /** @private */

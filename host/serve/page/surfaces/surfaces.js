@@ -1,6 +1,7 @@
 // The list of surfaces, tissues to add, and the mode that picks a tissue.
 import {byId, h} from '../elements/dom.js';
-import {isoCommand, plain, roundIso, toLine, word} from '../link/lines.js';
+import {counted, short} from '../elements/numbers.js';
+import {isoCommand, roundIso, toLine, word} from '../link/lines.js';
 import {SurfaceCard} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
 
@@ -67,7 +68,8 @@ function announcer() {
         told.set(name, isovalue);
       }
       byId('live').textContent = changed.map(each =>
-        `${each.name} at ${plain(each.isovalue, 3)}: ${each.triangles} triangles`).join('; ');
+        `${each.name} at ${short(each.isovalue, 3)}: `
+          + counted(each.triangles, 'triangle')).join('; ');
     }, ANNOUNCE_MS);
   };
 }
@@ -118,7 +120,7 @@ export function createTissues(root, app, selection) {
     const {minimum, maximum} = volume ?? {minimum: 0, maximum: 0};
     chips.replaceChildren(...tissues.map(({name, isovalue, help}) => h('button', {
       class: 'chip', 'data-testid': `preset-${name}`,
-      title: `${name}: ${help} (${isovalue} HU)`,
+      title: `${name}: ${help} (${short(isovalue)} HU)`,
       disabled: isovalue <= minimum || isovalue > maximum,
       onclick: () => showTissue(app, selection, name)}, name)));
   };

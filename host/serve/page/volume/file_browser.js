@@ -1,5 +1,6 @@
 // The folders of the server's computer that the page may read, as a list in the dialog Open.
 import {h, setText} from '../elements/dom.js';
+import {counted, grouped} from '../elements/numbers.js';
 import {dateText, sizeText} from './words.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -245,14 +246,6 @@ class FileBrowser {
 }
 
 /**
- * @param {number} count
- * @param {string} noun
- */
-function counted(count, noun) {
-  return `${count.toLocaleString('en')} ${noun}${count === 1 ? '' : 's'}`;
-}
-
-/**
  * What the list shows, and what it does not.
  * @param {Listing} listing
  * @param {string} find
@@ -265,11 +258,11 @@ export function toldOf(listing, find) {
   }
   const matching = find === '' ? '' : ` with "${find}"`;
   const sentences = [more > 0
-    ? `The first ${entries.length.toLocaleString('en')} of `
-      + `${(entries.length + more).toLocaleString('en')} entries${matching}. Type a part of a name `
+    ? `The first ${grouped(entries.length)} of `
+      + `${grouped(entries.length + more)} entries${matching}. Type a part of a name `
       + 'to find others.'
     : entries.length === 0 ? `Nothing to open here${matching}.`
-      : `${entries.length === 1 ? '1 entry' : `${entries.length} entries`}${matching}.`];
+      : `${entries.length === 1 ? '1 entry' : `${grouped(entries.length)} entries`}${matching}.`];
   if (!listing.is_whole) {
     sentences.push('The folder is too long: a part of it was not searched.');
   }

@@ -1,7 +1,8 @@
 // Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
+import {short} from '../elements/numbers.js';
 import {saveAs, saveBlob} from '../elements/save_file.js';
-import {plain, word} from '../link/lines.js';
+import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
 import {placeWarning} from '../panel/volume_words.js';
 import {sessionText} from './session_file.js';
@@ -212,7 +213,7 @@ function legendOf({store}) {
   const unit = volume?.unit ?? '';
   return [{color: '', text: volume?.name ?? archive ?? ''},
     ...surfaces.filter(({visible}) => visible).map(({color, name, isovalue}) =>
-      ({color, text: `${name}  ${plain(isovalue)} ${unit}`.trim()}))];
+      ({color, text: `${name}  ${short(isovalue)} ${unit}`.trim()}))];
 }
 
 /**

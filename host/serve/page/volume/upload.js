@@ -1,5 +1,6 @@
 // Uploads files and opens them.
 import {byId, h} from '../elements/dom.js';
+import {counted, grouped} from '../elements/numbers.js';
 import {address} from '../link/token.js';
 import {playSession, withVolume} from './session_file.js';
 
@@ -76,9 +77,9 @@ async function upload(app, files) {
   }
   const total = files.reduce((sum, {file}) => sum + file.size, 0);
   if (files.length > MOST_FILES || total > MOST_BYTES) {
-    app.toasts.error(`Cannot upload ${files.length.toLocaleString('en')} files with `
-      + `${total.toLocaleString('en')} bytes: the limits are ${MOST_FILES.toLocaleString('en')} `
-      + `files and ${MOST_BYTES.toLocaleString('en')} bytes. Enter their path instead.`);
+    app.toasts.error(`Cannot upload ${grouped(files.length)} files with `
+      + `${grouped(total)} bytes: the limits are ${grouped(MOST_FILES)} `
+      + `files and ${grouped(MOST_BYTES)} bytes. Enter their path instead.`);
     return null;
   }
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
@@ -86,7 +87,8 @@ async function upload(app, files) {
   const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Upload progress'});
   const share = h('span', {class: 'number muted'}, '0 %');
   const box = h('div', {class: 'toast info upload', 'data-testid': 'uploading'},
-    h('p', {}, `Uploading ${files.length === 1 ? files[0].name : `${files.length} files`} …`),
+    h('p', {}, `Uploading ${files.length === 1 ? files[0].name
+      : counted(files.length, 'file')} …`),
     share, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
   byId('toasts').append(box);
   /** @type {number[]} bytes sent of each request */

@@ -1,5 +1,6 @@
 // Panel: geometry, values, source and warnings of the volume.
 import {h} from '../elements/dom.js';
+import {counted, significant} from '../elements/numbers.js';
 import {intro, messageLine} from '../panel/panel_parts.js';
 
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
@@ -9,14 +10,6 @@ const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven
   'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
 const NAMES = new Map([['CT', 'computed tomography'], ['MR', 'magnetic resonance'],
   ['US', 'ultrasound'], ['PT', 'positron emission tomography'], ['NM', 'nuclear medicine']]);
-
-/**
- * @param {number} value
- * @param {number} digits  Significant.
- */
-function short(value, digits) {
-  return String(Number(value.toPrecision(digits)));
-}
 
 /**
  * The directions of the voxel axes in the patient: "right to left, ...".
@@ -40,19 +33,21 @@ function directions(volume) {
 function facts(volume) {
   const [nx, ny, nz] = volume.size;
   const last = volume.slice_places.length > 0 ? volume.slice_places[nz - 1] : nz - 1;
-  const extent = [nx - 1, ny - 1, last].map((steps, n) => short(steps * volume.spacing_mm[n], 4));
+  const extent = [nx - 1, ny - 1, last].map((steps, n) =>
+    significant(steps * volume.spacing_mm[n], 4));
   const kind = NAMES.get(volume.modality);
   return [
     ['Size', `${nx} × ${ny} × ${nz} voxels`],
-    ['Spacing', `${volume.spacing_mm.map(each => short(each, 4)).join(' × ')} mm`],
+    ['Spacing', `${volume.spacing_mm.map(each => significant(each, 4)).join(' × ')} mm`],
     ['Extent', `${extent.join(' × ')} mm`],
     ['Modality', volume.modality === '' ? 'not stated in the file'
       : volume.modality + (kind ? `, ${kind}` : '')],
-    ['Values', `${short(volume.minimum, 6)} to ${short(volume.maximum, 6)} ${volume.unit}`.trim()],
+    ['Values', [significant(volume.minimum, 6), 'to', significant(volume.maximum, 6), volume.unit]
+      .join(' ').trimEnd()],
     ['Axes', directions(volume).join('\n')],
     ['Slices', volume.slice_places.length > 0 ? 'not evenly spaced' : 'evenly spaced'],
     ['Gaps', volume.gaps === 0 ? 'none'
-      : `${volume.gaps} ${volume.gaps === 1 ? 'place' : 'places'} with missing slices`],
+      : `${counted(volume.gaps, 'place')} with missing slices`],
     ['Source', volume.source],
   ];
 }

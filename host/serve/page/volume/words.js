@@ -1,4 +1,5 @@
 // Sizes and dates of files, as words.
+import {grouped} from '../elements/numbers.js';
 
 const UNITS = ['bytes', 'kB', 'MB', 'GB', 'TB'];
 
@@ -9,7 +10,7 @@ const UNITS = ['bytes', 'kB', 'MB', 'GB', 'TB'];
 export function sizeText(bytes) {
   const power = bytes < 1 ? 0 : Math.min(UNITS.length - 1, Math.floor(Math.log10(bytes) / 3));
   const value = bytes / 1000 ** power;
-  return `${power > 0 && value < 9.95 ? value.toFixed(1) : Math.round(value)} ${UNITS[power]}`;
+  return `${grouped(value, power > 0 && value < 9.95 ? 1 : 0)} ${UNITS[power]}`;
 }
 
 /**
