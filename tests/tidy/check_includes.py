@@ -101,9 +101,10 @@ ROOMS = {
         "inspect": {"link", "elements", "panel"},
         "machine": {"link", "elements", "panel"},
         "volume": {"link", "elements", "panel"},
+        "tour": {"link", "elements", "panel", "inspect", "machine"},
         "shell": {"link", "elements", "picture", "panel", "slices", "inspect", "machine", "volume"},
         ".": {"link", "elements", "state", "picture", "panel", "headset", "surfaces", "volume",
-              "shell"},
+              "shell", "tour"},
     },
 }
 # Files that the build writes. generated/vocabulary.hpp is plain: every folder may include it.

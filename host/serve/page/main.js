@@ -18,7 +18,7 @@ import {createHelp} from './shell/help.js';
 import {watchKeys} from './shell/keyboard.js';
 import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
-import {createTabs} from './shell/tabs.js';
+import {createTabs, showTab} from './shell/tabs.js';
 import {toggleFullScreen} from './shell/view_tools.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Measures} from './panel/measures.js';
@@ -29,6 +29,7 @@ import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
 import {Store} from './state/store.js';
 import {createLeft} from './surfaces/left.js';
+import {createTour} from './tour/tour.js';
 import {createOpenDialog} from './volume/open_volume.js';
 import {createSaveDialog} from './volume/saving.js';
 
@@ -70,10 +71,12 @@ function start() {
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 
   const headset = new Headset(app, window.pxpl5.headset);
+  const tour = createTour(app, showTab);
   const actions = {
     undo: () => app.history.go('undo'), redo: () => app.history.go('redo'),
     open: createOpenDialog(app), save: createSaveDialog(app),
-    help: createHelp(headset.help), fullScreen: toggleFullScreen,
+    help: createHelp(headset.help, tour.open), fullScreen: toggleFullScreen, tour: tour.open,
+    leave: tour.close,
   };
   createBar(app, actions, headset.button);
   createLeft(app);

@@ -5,12 +5,26 @@ import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
 import {StreamView} from './stream_view.js';
 import {cardsOf, changesOf} from './why_cards.js';
 
+/**
+ * The `detail` of the event `explained` on `document`.
+ * @typedef {object} Explained
+ * @property {import('./why_cards.js').Why | null} result  null after an error.
+ * @property {number} revision          Of the scene.
+ * @property {string} error             '' without an error.
+ * @property {'user' | 'tour'} by       Who asked.
+ */
+
 const MODE = 'inspect';
 const HINT = 'Click a pixel to explain its color. Press Esc to stop.';
 const EMPTY = 'Press Inspect, then click a pixel in the picture.';
 const WATCHING = 'A view-only page cannot inspect.';
 
 const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
+
+/** @param {Explained} explained */
+function announce(explained) {
+  document.dispatchEvent(new CustomEvent('explained', {detail: explained}));
+}
 
 class InspectorPanel {
   /**
@@ -22,7 +36,8 @@ class InspectorPanel {
     this.cell = new CellView();
     this.message = messageLine('inspector-message');
     this.stream = new StreamView(question => app.connection.ask(question),
-      sentence => this.message.fail(sentence));
+      sentence => this.message.fail(sentence),
+      scrub => document.dispatchEvent(new CustomEvent('stepped', {detail: scrub})));
     this.cards = h('div', {class: 'why-chain', 'data-testid': 'why-cards'});
     this.stream.element.hidden = true;
     /** Number of the newest question. Replies to older questions are dropped. */
@@ -51,6 +66,12 @@ class InspectorPanel {
     app.picture.onChange(() => this.mark());
     app.picture.onShown(header => this.outdated(header.revision));
     root.addEventListener('panelhide', () => this.stream.stop());
+    document.addEventListener('explain', event => {
+      const {x, y} = /** @type {CustomEvent} */ (event).detail;
+      void this.ask(x, y, 'tour');
+    });
+    document.addEventListener('step-to', event =>
+      this.stream.goTo(/** @type {CustomEvent<number>} */ (event).detail));
   }
 
   /** @param {string} name */
@@ -63,8 +84,9 @@ class InspectorPanel {
   /**
    * @param {number} x    Pixel of the picture.
    * @param {number} y
+   * @param {Explained['by']} [by]
    */
-  async ask(x, y) {
+  async ask(x, y, by = 'user') {
     const number = ++this.asked;
     this.x.value = String(x);
     this.y.value = String(y);
@@ -75,6 +97,7 @@ class InspectorPanel {
     }
     if (!reply.ok) {
       this.message.fail(reply.error ?? '');
+      announce({result: null, revision: reply.revision ?? 0, error: reply.error ?? '', by});
       return;
     }
     this.revision = reply.revision ?? 0;
@@ -94,6 +117,7 @@ class InspectorPanel {
     if (p_mm) {
       document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: MODE}}));
     }
+    announce({result: reply.result, revision: this.revision, error: '', by});
   }
 
   /** Marks the explained pixel until the picture changes. */

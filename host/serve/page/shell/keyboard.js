@@ -16,6 +16,8 @@ const ZOOM = 1.1;
  * @property {() => void} save
  * @property {() => void} help
  * @property {() => void} fullScreen
+ * @property {() => void} tour
+ * @property {() => void} leave        Closes the tour.
  */
 
 /**
@@ -85,8 +87,8 @@ function plainKey(event, target, app, viewpoint, actions) {
   return new Map(/** @type {[string, () => void][]} */ ([
     ['+', () => zoom(ZOOM)], ['=', () => zoom(ZOOM)], ['-', () => zoom(1 / ZOOM)],
     ['r', () => viewpoint.reset()], ['u', actions.undo], ['U', actions.redo], ['o', actions.open],
-    ['s', actions.save], ['?', actions.help],
-    ['f', actions.fullScreen], ['Escape', () => app.modes.leave()],
+    ['s', actions.save], ['t', actions.tour], ['?', actions.help], ['f', actions.fullScreen],
+    ['Escape', () => app.modes.current ? app.modes.leave() : actions.leave()],
   ])).get(event.key);
 }
 

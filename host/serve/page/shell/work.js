@@ -157,16 +157,22 @@ export function createHints(app) {
   app.modes.watch(mode => {
     app.picture.stage.classList.toggle('mode', mode !== null);
     root.hidden = mode === null && !isFirst;
-    root.replaceChildren(...(mode ? [mode.hint, leaveButton(app)] : firstHint(isTouch)));
+    root.replaceChildren(...(mode ? [mode.hint, leaveButton(app)]
+      : firstHint(isTouch, app.connection.watches)));
   });
   // Any use of the page shows that the hint was read: it asks for a drag in the histogram, too.
-  document.addEventListener('pointerup', done);
+  document.addEventListener('pointerup', event => {
+    // A link that vanishes under the pointer is not clicked.
+    if (!(event.target instanceof Element && event.target.closest('#hint a'))) {
+      done();
+    }
+  });
+  addEventListener('hashchange', done);
   app.picture.stage.addEventListener('wheel', done);
   document.addEventListener('keydown', done);
   app.connection.on('hello', hello => {
-    if (hello.role === 'watcher') {
-      isFirst = false;
-      root.hidden = true;
+    if (hello.role === 'watcher' && isFirst) {
+      root.replaceChildren(...firstHint(isTouch, true));
     }
   });
 }
@@ -177,9 +183,18 @@ function leaveButton(app) {
     onclick: () => app.modes.leave()}, 'Done');
 }
 
-/** @param {boolean} isTouch */
-function firstHint(isTouch) {
-  return isTouch ? ['One finger rotates the view. Two fingers move and zoom.']
+/**
+ * @param {boolean} isTouch
+ * @param {boolean} watches
+ */
+function firstHint(isTouch, watches) {
+  const tour = h('span', {class: 'more'}, ' New here? ',
+    h('a', {href: '#tour=1', 'data-testid': 'hint-tour'}, 'Take the tour'));
+  if (watches) {
+    return ['This page is view-only: it shows what another page does. Slices, machine and volume '
+      + 'work here.', tour];
+  }
+  return isTouch ? ['One finger rotates the view. Two fingers move and zoom.', tour]
     : ['Drag to rotate, scroll to zoom, right-drag to move.', h('span', {class: 'more'},
-      ' Drag a handle in the histogram to change a surface. Press ? for help.')];
+      ' Drag a handle in the histogram to change a surface. Press ? for help.'), tour];
 }
