@@ -4,7 +4,8 @@ import test from 'node:test';
 
 import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
 import {csvOf, jsonOf} from '../../../host/serve/page/panel/measure_files.js';
-import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf, valuesText}
+import {valuesText} from '../../../host/serve/page/panel/measure_words.js';
+import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf}
   from '../../../host/serve/page/panel/measures.js';
 
 /** @param {number} a @param {number} b */
@@ -108,18 +109,22 @@ test('files have every number in full', () => {
   measures.add({kind: 'distance', points_mm: [[0, 0, 0], [0, 0, 12.5]], value: 12.5});
   measures.add(REGION);
   measures.add({...REGION, slice: {axis: 'z', index: 4, slab_mm: 7.5, slab_kind: 'max'}});
-  const [head, first, second, third, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
+  measures.add({kind: 'note', points_mm: [[1, 2, 3]], value: 0, text: 'a "cyst", old'});
+  const [head, first, second, third, note, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
     .split('\r\n');
-  assert.equal(head.split(',').length, 16);
+  assert.equal(head.split(',').length, 17);
   const name = '"a, ""b"""';
-  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,`);
+  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,,`);
   assert.equal(second,
-    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,`);
-  assert.ok(third.endsWith('-12,60,HU,7.5,max'), third);
+    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,,`);
+  assert.ok(third.endsWith('-12,60,HU,7.5,max,'), third);
+  assert.equal(note, `${name},4,note,,,1 2 3,,,,,,,,,,,"a ""cyst"", old"`);
   assert.equal(end, '');
   const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
   assert.equal(json.volume, 'a "scan"');
-  assert.deepEqual(json.measurements.map(each => each.unit), ['mm', 'mm2', 'mm2']);
+  assert.deepEqual(json.measurements.slice(0, 3).map(each => each.unit), ['mm', 'mm2', 'mm2']);
+  assert.deepEqual(json.measurements[3],
+    {name: '4', kind: 'note', points_mm: [[1, 2, 3]], text: 'a "cyst", old'});
   assert.deepEqual(json.measurements[1].values, REGION.values);
   assert.equal(json.measurements[1].voxel_index, 4);
   assert.ok(!('slab_mm' in json.measurements[1]));

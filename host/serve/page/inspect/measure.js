@@ -1,15 +1,17 @@
-// Panel: distances, angles and paths on surfaces, drawn over the picture; the list of all measures.
+// Panel: distances, angles, paths and notes on surfaces, over the picture; list of all measures.
 import {h, s} from '../elements/dom.js';
 import {saveBlob} from '../elements/save_file.js';
 import {csvOf, jsonOf} from '../panel/measure_files.js';
 import {MeasureList} from '../panel/measure_list.js';
-import {Points, measureText} from '../panel/measures.js';
+import {Points, labelText} from '../panel/measures.js';
+import {editNote} from '../panel/note_editor.js';
 import {choiceRow, intro, messageLine, modeButton, sentenceOf} from '../panel/panel_parts.js';
 import {MeasureEnds} from './measure_ends.js';
+import {drawMarks} from './measure_marks.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../panel/measures.js').Measure} Measure */
-/** @typedef {'distance' | 'angle' | 'path'} LineKind */
+/** @typedef {'distance' | 'angle' | 'path' | 'note'} LineKind */
 /** @typedef {{x: number, y: number, visible: boolean}} Place  In the picture. */
 
 const MODE = 'measure';
@@ -17,8 +19,9 @@ const HINTS = {
   distance: 'Click two points on a surface to measure the distance. Press Esc to stop.',
   angle: 'Click three points on a surface: the second is the vertex. Press Esc to stop.',
   path: 'Click the points of a path on a surface. Enter ends it. Press Esc to stop.',
+  note: 'Click a point on a surface, then type the note. Press Esc to stop.',
 };
-const LABEL_ABOVE = 8;
+const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 
 class MeasurePanel {
   /**
@@ -34,6 +37,10 @@ class MeasurePanel {
     /** Ends after all clicks so far: a measurement does not end before the points of its clicks. */
     this.clicked = Promise.resolve();
     this.identity = '';
+    /** The place of the note that is being written. @type {Triple | null} */
+    this.note = null;
+    /** Boxes of the labels by name. @type {Map<string, import('../panel/labels.js').Box>} */
+    this.boxes = new Map();
     /** How many measurements the message knows. */
     this.told = -1;
     this.message = messageLine('measure-message');
@@ -58,6 +65,7 @@ class MeasurePanel {
       {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
       {name: 'angle', title: 'Angle', help: 'Three points: the second is the vertex'},
       {name: 'path', title: 'Path', help: 'Length of straight lines from point to point'},
+      {name: 'note', title: 'Note', help: 'An arrow with a text'},
     ], kind => this.choose(kind));
     this.done = h('button', {type: 'button', hidden: true, 'data-testid': 'measure-done',
       title: 'Ends the path (Enter)',
@@ -75,7 +83,8 @@ class MeasurePanel {
       h('button', {type: 'button', class: 'quiet', 'data-testid': 'measure-delete-all',
         onclick: () => app.measures.removeAll()}, 'Delete all'));
     app.picture.overlay.append(this.drawing);
-    root.append(intro('Distances, angles and paths on surfaces. Slices measure, too.'),
+    root.append(
+      intro('Distances, angles, paths and notes on surfaces. Slices measure, too.'),
       h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done),
       this.list.element, this.files, this.message.element);
   }
@@ -84,8 +93,16 @@ class MeasurePanel {
     const {app} = this;
     app.picture.onChange(() => this.draw());
     document.addEventListener('keydown', event => {
-      if (event.key === 'Enter' && app.modes.current?.name === MODE && this.kind === 'path') {
+      const isField = event.target instanceof HTMLInputElement;
+      if (event.key === 'Enter' && !isField && this.kind === 'path' &&
+          app.modes.current?.name === MODE) {
         this.afterClicks(() => this.finish());
+      }
+    });
+    // A finger's press comes again as a mouse's, which must not take the focus from the field.
+    app.picture.stage.addEventListener('mousedown', event => {
+      if (document.activeElement?.matches('.note-editor')) {
+        event.preventDefault();
       }
     });
     app.measures.watch(() => this.show());
@@ -139,6 +156,9 @@ class MeasurePanel {
    * @param {number} y
    */
   async click(x, y) {
+    if (this.rewrite(x, y)) {
+      return;
+    }
     const identity = this.identity;
     // The point of each click is kept: the pixel may show another one at the next click.
     const {ok, error = '', result} = await this.app.connection.do(`pick ${x} ${y}`, {quiet: true});
@@ -147,6 +167,10 @@ class MeasurePanel {
     }
     if (!ok || !result?.hit) {
       this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
+      return;
+    }
+    if (this.kind === 'note') {
+      this.write(result.p_mm);
       return;
     }
     try {
@@ -187,53 +211,103 @@ class MeasurePanel {
   }
 
   draw() {
-    const lines = this.app.measures.list.filter(({slice}) => !slice);
-    if (lines.length === 0 && this.points.list.length === 0) {
+    const {picture, measures} = this.app;
+    const seen = measures.list.filter(({slice}) => !slice);
+    this.boxes = new Map();
+    if (seen.length === 0 && this.points.list.length === 0 && !this.note) {
       if (this.drawing.childElementCount > 0) {
         this.drawing.replaceChildren();
       }
       return;
     }
-    this.drawing.replaceChildren(...this.app.picture.eyes().map(eye =>
-      s('g', {class: `eye-${eye.name}`}, ...this.marks(lines, eye))));
+    this.drawing.replaceChildren(...picture.eyes().map(eye => {
+      const {group, boxes} = drawMarks(this.seen(seen, eye), eye, picture.height);
+      boxes.forEach((box, name) => this.boxes.set(name, box));
+      return group;
+    }));
   }
 
   /**
+   * The measurements that an eye sees whole, and the points so far.
    * @param {Measure[]} measures
    * @param {import('../panel/app.js').Eye} eye
+   * @returns {import('./measure_marks.js').Seen[]}
    */
-  marks(measures, eye) {
-    const marks = measures.flatMap(measure => {
-      const {held} = this.ends, {name} = measure;
-      const places = measure.points_mm.map((p_mm, end) =>
+  seen(measures, eye) {
+    const {held} = this.ends, {chosen} = this.app.measures;
+    const whole = measures.flatMap(measure => {
+      const {name, kind, points_mm} = measure;
+      const places = points_mm.map((p_mm, end) =>
         held?.name === name && held.end === end && held.eye === eye.name
           ? {x: held.x, y: held.y, visible: true} : eye.project(p_mm));
-      return places.every(({visible}) => visible)
-        ? [line(places, `${name}: ${measureText(measure)}`, measure.kind,
-          name === this.app.measures.chosen)] : [];
+      return places.every(({visible}) => visible) ? [{name, kind, places: places.map(pairOf),
+        text: labelText(measure), isChosen: name === chosen}] : [];
     });
-    const places = this.points.list.map(p_mm => eye.project(p_mm)).filter(({visible}) => visible);
-    return places.length > 0 ? [...marks, line(places, '', this.points.kind, false)] : marks;
+    const making = [...this.points.list, ...this.note ? [this.note] : []]
+      .map(p_mm => eye.project(p_mm)).filter(({visible}) => visible);
+    return making.length === 0 ? whole : [...whole, {name: '', kind: this.points.kind,
+      places: making.map(pairOf), text: '', isChosen: false}];
+  }
+
+  /**
+   * Asks for the text of a new note.
+   * @param {Triple} p_mm
+   */
+  write(p_mm) {
+    const {picture, measures} = this.app, {identity} = this;
+    const place = picture.eyes()[0]?.project(p_mm) ?? {x: 0, y: 0};
+    this.note = p_mm;
+    this.draw();
+    this.message.say('Type the text of the note. Enter keeps it.');
+    this.edit({left: place.x + ASIDE, top: place.y - ASIDE}, '', text => {
+      this.note = null;
+      const refusal = text !== null && identity === this.identity
+        ? measures.add({kind: 'note', points_mm: [p_mm], value: 0, text}) : '';
+      if (refusal) {
+        this.message.fail(refusal);
+      }
+      this.draw();
+    });
+  }
+
+  /**
+   * Changes the note whose text is at a pixel. Returns whether there is one.
+   * @param {number} x
+   * @param {number} y
+   */
+  rewrite(x, y) {
+    const {picture, measures} = this.app;
+    const at = picture.placeOfPixel(x, y);
+    const found = at && [...this.boxes].find(([name, {left, top, width, height}]) =>
+      measures.named(name)?.kind === 'note' && at.x >= left && at.x <= left + width &&
+      at.y >= top && at.y <= top + height);
+    if (found) {
+      const [name, box] = found;
+      this.edit(box, measures.named(name)?.text ?? '', text =>
+        text !== null && measures.write(name, text));
+    }
+    return Boolean(found);
+  }
+
+  /**
+   * @param {{left: number, top: number}} at  Places of the picture.
+   * @param {string} text
+   * @param {(text: string | null) => void} done
+   */
+  edit({left, top}, text, done) {
+    const {stage, overlay} = this.app.picture;
+    const outer = stage.parentElement?.getBoundingClientRect() ?? stage.getBoundingClientRect();
+    const inner = overlay.getBoundingClientRect();
+    editNote(stage, [left + inner.left - outer.left, top + inner.top - outer.top], text, done);
   }
 }
 
 /**
- * Lines from place to place, with a label at the middle, or at the vertex of an angle.
- * @param {Place[]} places
- * @param {string} text
- * @param {import('../panel/measures.js').Kind} kind
- * @param {boolean} isChosen
+ * @param {Place} place
+ * @returns {[number, number]}
  */
-function line(places, text, kind, isChosen) {
-  const ends = places.slice(1).map(({x, y}, k) =>
-    ({x1: places[k].x, y1: places[k].y, x2: x, y2: y}));
-  const half = (places.length - 1) / 2;
-  const [a, b] = kind === 'angle' ? [places[1] ?? places[0], places[1] ?? places[0]]
-    : [places[Math.floor(half)], places[Math.ceil(half)]];
-  return s('g', {}, ...ends.map(each => s('line', {class: 'back', ...each})),
-    ...ends.map(each => s('line', {class: 'front', ...each})),
-    ...places.map(({x, y}) => s('circle', {cx: x, cy: y, r: isChosen ? 5 : text ? 3 : 4})),
-    text && s('text', {x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 - LABEL_ABOVE}, text));
+function pairOf({x, y}) {
+  return [x, y];
 }
 
 /**

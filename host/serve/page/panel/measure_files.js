@@ -9,12 +9,12 @@ import {isRegion} from './measures.js';
  * @param {Kind} kind
  */
 function unitOf(kind) {
-  return kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
+  return kind === 'note' ? '' : kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
 }
 
 const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
   'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit', 'slab_mm',
-  'slab_kind'];
+  'slab_kind', 'text'];
 
 /**
  * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
@@ -22,11 +22,13 @@ const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'vo
  * @param {{name: string, unit: string}} volume
  */
 export function csvOf(measures, volume) {
-  const lines = measures.map(({name, kind, value, points_mm, slice, values}) => [volume.name, name,
-    kind, value, unitOf(kind), points_mm.map(p => p.join(' ')).join('; '),
+  const lines = measures.map(({name, kind, value, points_mm, slice, values, text}) => [
+    volume.name, name, kind, kind === 'note' ? '' : value, unitOf(kind),
+    points_mm.map(p => p.join(' ')).join('; '),
     ...slice ? [slice.axis, slice.index] : ['', ''],
     ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
-      volume.unit] : ['', '', '', '', '', ''], slice?.slab_mm ?? '', slice?.slab_kind ?? '']);
+      volume.unit] : ['', '', '', '', '', ''],
+    slice?.slab_mm ?? '', slice?.slab_kind ?? '', text ?? '']);
   const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');
@@ -39,7 +41,8 @@ export function csvOf(measures, volume) {
  */
 export function jsonOf(measures, {name, unit}) {
   return `${JSON.stringify({volume: name, value_unit: unit, positions: 'mm, LPS',
-    measurements: measures.map(({slice, ...measure}) => ({...measure, unit: unitOf(measure.kind),
+    measurements: measures.map(({slice, value, ...measure}) => ({...measure,
+      ...measure.kind !== 'note' && {value, unit: unitOf(measure.kind)},
       ...slice && {voxel_axis: slice.axis, voxel_index: slice.index,
         ...slice.slab_mm && {slab_mm: slice.slab_mm, slab_kind: slice.slab_kind}}}))}, null, 2)}\n`;
 }

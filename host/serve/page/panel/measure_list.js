@@ -1,6 +1,7 @@
 // The list of measurements: names, values, and the ends of the chosen one.
 import {h, setText} from '../elements/dom.js';
-import {KIND_TITLES, endTitle, measureText, slabNote, valuesText} from './measures.js';
+import {slabNote, valuesText} from './measure_words.js';
+import {KIND_TITLES, MOST_NOTE, endTitle, measureText} from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
@@ -43,7 +44,7 @@ export class MeasureList {
     const {measures} = this.app_;
     const rows = measures.list.map(measure => {
       const isChosen = measure.name === measures.chosen;
-      const shape = `${measure.kind} ${isChosen && measure.points_mm.length}`;
+      const shape = `${measure.kind} ${isChosen && [measure.points_mm.length, measure.text]}`;
       const known = this.rows_.get(measure.name);
       const row = known?.shape === shape ? known : this.row_(measure, isChosen, shape);
       row.update(measure);
@@ -108,7 +109,13 @@ export class MeasureList {
           this.message_.fail(refusal);
         }
       }});
+    const note = measures.named(name)?.text;
+    const text = note !== undefined && h('input', {type: 'text', value: note, maxlength: MOST_NOTE,
+      'aria-label': `Text of note ${name}`, 'data-testid': `${this.testid_}-text`,
+      onchange: (/** @type {Event} */ event) =>
+        measures.write(name, /** @type {HTMLInputElement} */ (event.target).value)});
     return h('div', {class: 'tool-row'}, h('label', {class: 'number-field'}, 'Name', field),
+      text && h('label', {class: 'number-field grow'}, 'Text', text),
       ...Array.from({length: count}, (_, end) => this.end_(name, end, count)));
   }
 

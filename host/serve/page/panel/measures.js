@@ -1,8 +1,8 @@
 // The measurements of the user, which panels and slices add, show and remove.
-import {counted, grouped, significant} from '../elements/numbers.js';
+import {grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
-/** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle'} Kind */
+/** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle' | 'note'} Kind */
 
 /**
  * Values of the voxels in a region. A single voxel has no deviation.
@@ -21,23 +21,26 @@ import {counted, grouped, significant} from '../elements/numbers.js';
  * @property {string} name          Counts from 1, unless the user changes it; no other has it.
  * @property {Kind} kind
  * @property {Triple[]} points_mm   LPS. Distance: both ends. Angle: its vertex is the second. Path:
- *     all corners. Ellipse and rectangle: two opposite corners of the box around them.
- * @property {number} value         Distance, path: mm. Angle: degrees. Others: mm².
+ *     all corners. Ellipse and rectangle: two opposite corners of the box around them. Note: the
+ *     place that its arrow points to.
+ * @property {number} value         Distance, path: mm. Angle: degrees. Note: 0. Others: mm².
+ * @property {string} [text]        Of a note.
  * @property {MeasuredSlice} [slice]  Of an ellipse or a rectangle.
  * @property {Values} [values]      Likewise.
  */
 
 export const MOST_MEASURES = 100;
 const MOST_LETTERS = 60;    // Of a name.
+export const MOST_NOTE = 200;   // Letters.
 const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 
 /** How many points end a measurement; a path ends when the user says so. */
-const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2};
+const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, note: 1};
 const ORDINALS = ['first', 'second', 'third'];
 
 /** @type {Record<Kind, string>} */
 export const KIND_TITLES = {distance: 'Distance', angle: 'Angle', path: 'Path',
-  ellipse: 'Ellipse', rectangle: 'Rectangle'};
+  ellipse: 'Ellipse', rectangle: 'Rectangle', note: 'Note'};
 
 /**
  * Whether values of voxels belong to this kind.
@@ -182,6 +185,19 @@ export class Measures {
   }
 
   /**
+   * Changes the text of a note; an empty one is not taken.
+   * @param {string} name
+   * @param {string} wanted
+   */
+  write(name, wanted) {
+    const text = wanted.trim().slice(0, MOST_NOTE);
+    if (text !== '' && text !== this.named(name)?.text) {
+      this.change_(`change note ${name}`,
+        this.list.map(each => each.name === name ? {...each, text} : each));
+    }
+  }
+
+  /**
    * Shows other points of a measurement while an end is dragged.
    * @param {string} name
    * @param {Partial<Measure>} changed
@@ -278,13 +294,22 @@ export class Measures {
 }
 
 /**
- * A distance, an angle or a path through other points.
+ * A distance, an angle, a path or a note through other points.
  * @param {Kind} kind
  * @param {Triple[]} points_mm
  * @throws {Error} as angleOf()
  */
 export function through(kind, points_mm) {
   return {kind, points_mm, value: kind === 'angle' ? angleOf(points_mm) : lengthOf(points_mm)};
+}
+
+/**
+ * What a slice and the picture write beside a measurement.
+ * @param {Measure} measure
+ */
+export function labelText(measure) {
+  return measure.kind === 'note' ? measureText(measure)
+    : `${measure.name}: ${measureText(measure)}`;
 }
 
 /**
@@ -296,6 +321,9 @@ export function through(kind, points_mm) {
 export function endTitle(kind, index, count) {
   if (isRegion(kind)) {
     return `Corner ${index + 1}`;
+  }
+  if (kind === 'note') {
+    return 'Place';
   }
   if (kind === 'angle' && index === 1) {
     return 'Vertex';
@@ -347,31 +375,14 @@ export function valuesOf(values) {
     least: values.reduce((a, b) => Math.min(a, b)), most: values.reduce((a, b) => Math.max(a, b))};
 }
 
-/** @param {Pick<Measure, 'kind' | 'value'>} measure */
-export function measureText({kind, value}) {
+/** @param {Pick<Measure, 'kind' | 'value' | 'text'>} measure */
+export function measureText({kind, value, text = ''}) {
+  if (kind === 'note') {
+    return text;
+  }
   if (kind === 'angle') {
     return `${grouped(value, 1)}°`;
   }
   const digits = value < 1 ? significant(value, 2) : grouped(value, value < 100 ? 1 : 0);
   return `${digits} ${isRegion(kind) ? 'mm²' : 'mm'}`;
-}
-
-/**
- * ", max of a slab of 10 mm" if the values of a region are those of a slab.
- * @param {MeasuredSlice} [slice]
- */
-export function slabNote(slice) {
-  return slice?.slab_mm ? `, ${slice.slab_kind} of a slab of ` +
-    `${significant(slice.slab_mm, 4)} mm` : '';
-}
-
-/**
- * "mean 41.2, deviation 8.1, 12 to 60 HU, 314 voxels"
- * @param {Values} values
- * @param {string} unit
- */
-export function valuesText({voxels, mean, deviation, least, most}, unit) {
-  const spread = deviation === null ? '' : `, deviation ${significant(deviation, 4)}`;
-  return `mean ${significant(mean, 4)}${spread}, ${significant(least, 6)} to ` +
-    `${significant(most, 6)}${unit ? ` ${unit}` : ''}, ${counted(voxels, 'voxel')}`;
 }

@@ -37,6 +37,28 @@ export function endsOf({axes}, {kind, voxels}) {
 }
 
 /**
+ * The end of a measurement that is nearest to a place, if one is near.
+ * @param {Slice} slice
+ * @param {Mark[]} marks
+ * @param {(voxel: Vector) => [number, number]} placeOf  CSS pixels.
+ * @param {[number, number]} place
+ * @param {number} reach
+ */
+export function nearestEnd(slice, marks, placeOf, place, reach) {
+  let [least, found] = [reach, /** @type {End | null} */ (null)];
+  for (const mark of marks.filter(each => each.name && isOn(slice, each))) {
+    endsOf(slice, mark).forEach((voxel, end) => {
+      const [x, y] = placeOf(voxel);
+      const far = Math.hypot(x - place[0], y - place[1]);
+      if (far <= least) {
+        [least, found] = [far, {name: mark.name ?? '', end}];
+      }
+    });
+  }
+  return found;
+}
+
+/**
  * The points after an end has moved.
  * @param {Slice} slice
  * @param {Vector[]} voxels

@@ -75,8 +75,9 @@ export class SliceInput {
     // Also if the canvas is moved or hidden under a finger.
     canvas.addEventListener('lostpointercapture', event => this.lose_(event.pointerId));
     canvas.addEventListener('mousedown', event => {
-      if (event.button === MIDDLE) {
-        event.preventDefault();  // Else the browser scrolls the page.
+      // Else the browser scrolls the page, or takes the focus from a field that a press opened.
+      if (event.button === MIDDLE || document.activeElement?.matches('.note-editor')) {
+        event.preventDefault();
       }
     });
     canvas.addEventListener('dblclick', event => {

@@ -1,8 +1,8 @@
 // Measuring on slices: distances, angles and paths from point to point, regions by dragging.
 import {h} from '../elements/dom.js';
 import {MeasureList} from '../panel/measure_list.js';
-import {KIND_TITLES, Points, isRegion, measureText, slabNote, valuesText}
-  from '../panel/measures.js';
+import {slabNote, valuesText} from '../panel/measure_words.js';
+import {KIND_TITLES, Points, isRegion, labelText, measureText} from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 import {movedTo, regionOf} from './slice_ends.js';
@@ -31,6 +31,7 @@ import {movedTo, regionOf} from './slice_ends.js';
  * @property {() => SliceView[]} views          The large one first.
  */
 
+const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 const LATER = 'The slice of this end is not shown yet. Press the key again.';
 
 export class SliceMeasure {
@@ -45,6 +46,7 @@ export class SliceMeasure {
     /** @private */ this.panel_ = panel;
     /** @private */ this.points_ = new Points('distance');
     /** The region that is being drawn. @private @type {Mark | null} */ this.region_ = null;
+    /** The note that is being written. @private @type {Mark | null} */ this.note_ = null;
     this.kind = h('select', {'aria-label': 'What to measure', hidden: true,
       'data-testid': 'slices-kind', onchange: () => this.choose_()},
     ...Object.entries(KIND_TITLES).map(([value, title]) => h('option', {value}, title)));
@@ -84,7 +86,8 @@ export class SliceMeasure {
     this.points_ = new Points(kind);
     this.done.hidden = kind !== 'path';
     if (!refusal) {
-      this.message_.say(isRegion(kind) ? 'Drag from corner to corner.' : 'Click the first point.');
+      this.message_.say(isRegion(kind) ? 'Drag from corner to corner.'
+        : kind === 'note' ? 'Click a point, then type the note.' : 'Click the first point.');
     }
   }
 
@@ -123,8 +126,12 @@ export class SliceMeasure {
   take(phase, voxel, view, volume) {
     if (phase === 'end') {
       this.finish();
+    } else if (phase === 'press' && voxel && this.rewrite_(voxel, view)) {
+      this.region_ = null;
     } else if (isRegion(this.points_.kind)) {
       this.drag_(phase, voxel, view, volume);
+    } else if (phase === 'press' && voxel && this.points_.kind === 'note') {
+      this.write_(voxel, view, volume);
     } else if (phase === 'press' && voxel) {
       this.click_(toPatient(volume, voxel));
     }
@@ -139,10 +146,51 @@ export class SliceMeasure {
     const voxels = (/** @type {Vector[]} */ points) => points.map(p => toVoxel(volume, p));
     const marks = this.app_.measures.list.map(measure => ({kind: measure.kind,
       voxels: voxels(measure.points_mm), slice: measure.slice,
-      text: `${measure.name}: ${measureText(measure)}`, name: measure.name}));
+      text: labelText(measure), name: measure.name}));
     const {kind, list} = this.points_;
-    return [...marks, ...this.region_ ? [this.region_] : [],
+    return [...marks, ...[this.region_, this.note_].filter(each => each !== null),
       ...list.length > 0 ? [{kind, voxels: voxels(list), text: ''}] : []];
+  }
+
+  /**
+   * Asks for the text of a new note.
+   * @private
+   * @param {Vector} voxel
+   * @param {SliceView} view
+   * @param {VolumeState} volume
+   */
+  write_(voxel, view, volume) {
+    const {store} = this.app_;
+    this.note_ = {kind: 'note', voxels: [voxel], text: ''};
+    this.panel_.changed();
+    this.message_.say('Type the text of the note. Enter keeps it.');
+    const [x, y] = view.placeOf(voxel);
+    view.edit([x + ASIDE, y - ASIDE], '', text => {
+      this.note_ = null;
+      if (text !== null && store.state?.volume?.identity === volume.identity) {
+        this.add_({kind: 'note', points_mm: [toPatient(volume, voxel)], value: 0, text});
+      }
+      this.panel_.changed();
+    });
+  }
+
+  /**
+   * Changes the note whose text is at a place. Returns whether there is one.
+   * @private
+   * @param {Vector} voxel
+   * @param {SliceView} view
+   */
+  rewrite_(voxel, view) {
+    const {measures} = this.app_, [x, y] = view.placeOf(voxel);
+    const found = [...view.labels].find(([name, {left, top, width, height}]) =>
+      measures.named(name)?.kind === 'note' && x >= left && x <= left + width && y >= top &&
+      y <= top + height);
+    if (found) {
+      const [name, {left, top}] = found;
+      view.edit([left, top], measures.named(name)?.text ?? '', text =>
+        text !== null && measures.write(name, text));
+    }
+    return Boolean(found);
   }
 
   /**

@@ -1,8 +1,6 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
 import {styleColor} from '../elements/canvas.js';
 import {significant} from '../elements/numbers.js';
-import {isRegion} from '../panel/measures.js';
-import {isOn} from './slice_ends.js';
 import {boxAt, pixelAt} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
@@ -27,9 +25,6 @@ const LETTER_MARGIN = 4;
 const LINE_WIDTH = {thick: 1.5, thin: 1};  // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
 const EDGE_COLOR = '#000c';
-const END_RADIUS = 2.5;     // Of the points of a measurement, CSS pixels.
-const LABEL_ABOVE = 5;
-const LABEL_HEIGHT = 12;
 
 /**
  * Paints evenly spaced pixels at once, uneven rows or columns one by one with their widths. At most
@@ -106,70 +101,6 @@ export function paintCrosshair({canvas, context, slice, place, unit}, size, voxe
   context.moveTo(x, y + CROSSHAIR_GAP);
   context.lineTo(x, bottom);
   context.stroke();
-}
-
-/**
- * Paints the measurements that lie in the slice.
- * @param {Paper} paper
- * @param {Vector} size     Size of the volume, voxels.
- * @param {import('./slice_measure.js').Mark[]} marks
- */
-export function paintMarks({canvas, context, slice, place, unit}, size, marks) {
-  const color = styleColor(canvas, '--warn');
-  context.textAlign = 'center';
-  context.textBaseline = 'alphabetic';
-  context.font = `600 ${12 * unit}px system-ui, sans-serif`;
-  context.lineCap = 'round';
-  for (const {kind, voxels, text} of marks.filter(mark => isOn(slice, mark))) {
-    const places = voxels.map(voxel => boxAt(slice, place, ...pixelAt(slice, size, voxel)));
-    const path = pathOf(kind, places);
-    for (const [style, width] of /** @type {const} */ ([[EDGE_COLOR, 4], [color, 1.5]])) {
-      context.strokeStyle = style;
-      context.lineWidth = width * unit;
-      context.stroke(path);
-    }
-    const [x, at] = labelPlace(kind, places);
-    const y = Math.max(at - LABEL_ABOVE * unit, LABEL_HEIGHT * unit);
-    context.strokeStyle = EDGE_COLOR;
-    context.lineWidth = 3 * unit;
-    context.fillStyle = '#fff';
-    context.strokeText(text, x, y);
-    context.fillText(text, x, y);
-  }
-}
-
-/**
- * @param {import('../panel/measures.js').Kind} kind
- * @param {[number, number][]} places
- */
-function pathOf(kind, places) {
-  const path = new Path2D();
-  const [[x0, y0], [x1, y1] = [x0, y0]] = places;
-  if (kind === 'ellipse') {
-    path.ellipse((x0 + x1) / 2, (y0 + y1) / 2, Math.abs(x1 - x0) / 2, Math.abs(y1 - y0) / 2, 0, 0,
-      2 * Math.PI);
-  } else if (kind === 'rectangle') {
-    path.rect(Math.min(x0, x1), Math.min(y0, y1), Math.abs(x1 - x0), Math.abs(y1 - y0));
-  } else {
-    places.forEach(([x, y], k) => k === 0 ? path.moveTo(x, y) : path.lineTo(x, y));
-    for (const [x, y] of places) {
-      path.moveTo(x + END_RADIUS, y);
-      path.arc(x, y, END_RADIUS, 0, 2 * Math.PI);
-    }
-  }
-  return path;
-}
-
-/**
- * Where the label stands: above a region, at the vertex of an angle, else in the middle.
- * @param {import('../panel/measures.js').Kind} kind
- * @param {[number, number][]} places
- * @returns {[number, number]}
- */
-function labelPlace(kind, places) {
-  const half = kind === 'angle' ? 1 : (places.length - 1) / 2;
-  const a = places[Math.floor(half)] ?? places[0], b = places[Math.ceil(half)] ?? places[0];
-  return [(a[0] + b[0]) / 2, isRegion(kind) ? Math.min(a[1], b[1]) : (a[1] + b[1]) / 2];
 }
 
 /**

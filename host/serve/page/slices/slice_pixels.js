@@ -98,6 +98,15 @@ export function pixelAt(slice, size, voxel) {
 }
 
 /**
+ * Whether a place is on a slice.
+ * @param {Slice} slice
+ * @param {[number, number]} pixel  Not rounded.
+ */
+export function isInside({width, height}, [x, y]) {
+  return x >= -0.5 && y >= -0.5 && x <= width - 0.5 && y <= height - 0.5;
+}
+
+/**
  * The distance from the center of the first pixel to the center of a pixel along a side,
  * interpolated linearly, also beyond the ends.
  * @param {Slice} slice

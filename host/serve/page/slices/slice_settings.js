@@ -4,7 +4,16 @@ import {significant} from '../elements/numbers.js';
 import {MOST_TIMES, ZOOM_STEP} from './slice_zoom.js';
 import {COLOR_MAPS} from './windows.js';
 
-/** @typedef {import('./slice_view.js').Look} Look */
+/**
+ * How slices look.
+ * @typedef {object} Look
+ * @property {boolean} smooth   Interpolates between voxels.
+ * @property {import('./slice_paint.js').Lines} lines
+ * @property {import('./windows.js').ColorMap} map
+ */
+
+/** How slices look at first. @type {Readonly<Look>} */
+export const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
 
 const LINES = {thick: 'thick', thin: 'thin', off: 'none'};
 
@@ -35,7 +44,6 @@ export class SliceSettings {
     this.map_ = choice('Colors', 'slice-colors', COLOR_MAPS, tell);
     /** @private */
     this.smooth_ = h('input', {type: 'checkbox', 'data-testid': 'slice-smooth', onchange: tell});
-    this.smooth_.checked = true;
     /** @private */
     this.times_ = h('output', {class: 'slice-count', 'data-testid': 'slice-times'});
     /** @private */
@@ -50,6 +58,7 @@ export class SliceSettings {
       h('label', {class: 'check', title: 'Interpolates between voxels'}, this.smooth_, 'Smooth')),
       h('div', {class: 'tool-row'}, this.lines_.element, this.map_.element), ...more);
     this.tellTimes(1);
+    this.setLook(USUAL);
   }
 
   /**

@@ -2,27 +2,22 @@
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {isRegion} from '../panel/measures.js';
-import {endsOf, isOn, pointsMoved} from './slice_ends.js';
+import {editNote} from '../panel/note_editor.js';
+import {paintMarks} from './mark_paint.js';
+import {isOn, nearestEnd, pointsMoved} from './slice_ends.js';
 import {SliceInput} from './slice_input.js';
-import {paintContours, paintCrosshair, paintImage, paintLetters, paintMarks}
-  from './slice_paint.js';
-import {boxAt, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt} from './slice_pixels.js';
+import {paintContours, paintCrosshair, paintImage, paintLetters} from './slice_paint.js';
+import {boxAt, isInside, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt} from './slice_pixels.js';
+import {USUAL} from './slice_settings.js';
 import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js';
 import {paintValues} from './windows.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_ends.js').End} End */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
+/** @typedef {import('./slice_settings.js').Look} Look */
 /** @typedef {import('./slice_zoom.js').Zoom} Zoom */
 /** @typedef {import('./windows.js').Window} Window */
-
-/**
- * How slices look.
- * @typedef {object} Look
- * @property {boolean} smooth   Interpolates between voxels.
- * @property {import('./slice_paint.js').Lines} lines
- * @property {import('./windows.js').ColorMap} map
- */
 
 /**
  * Callbacks of a slice view.
@@ -46,11 +41,6 @@ import {paintValues} from './windows.js';
  * @typedef {{voxel: Vector, value: number, own: number}} Under
  */
 
-const HALF = 0.5;   // Of a pixel.
-
-/** @type {Look} */
-const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
-
 export class SliceView {
   /**
    * @param {string} plane    'Axial', ...
@@ -65,6 +55,8 @@ export class SliceView {
     /** @private @type {Zoom} */ this.zoom_ = WHOLE;
     /** @private */ this.look_ = USUAL;
     /** @private @type {import('./slice_measure.js').Mark[]} */ this.marks_ = [];
+    /** Boxes of the labels by name. @type {ReturnType<typeof paintMarks>} */
+    this.labels = new Map();
     /** @private */ this.image_ = h('canvas');
     this.canvas = h('canvas', {
       class: 'slice-canvas', tabindex: 0, role: 'application',
@@ -185,17 +177,8 @@ export class SliceView {
    */
   endAt(place, reach) {
     const slice = this.slice_;
-    let [least, found] = [reach, /** @type {End | null} */ (null)];
-    for (const mark of slice ? this.marks_.filter(each => isOn(slice, each)) : []) {
-      (slice ? endsOf(slice, mark) : []).forEach((voxel, end) => {
-        const [x, y] = slice ? this.voxelPlace_(slice, voxel) : [0, 0];
-        const far = Math.hypot(x - place[0], y - place[1]);
-        if (mark.name && far <= least) {
-          [least, found] = [far, {name: mark.name, end}];
-        }
-      });
-    }
-    return found;
+    return slice && nearestEnd(slice, this.marks_, voxel => this.voxelPlace_(slice, voxel), place,
+      reach);
   }
 
   /**
@@ -213,9 +196,7 @@ export class SliceView {
    */
   isInside(voxel) {
     const slice = this.slice_;
-    const [x, y] = slice ? pixelAt(slice, this.size_, voxel) : [-1, -1];
-    return slice !== null && x >= -HALF && y >= -HALF && x <= slice.width - HALF &&
-      y <= slice.height - HALF;
+    return slice !== null && isInside(slice, pixelAt(slice, this.size_, voxel));
   }
 
   /**
@@ -310,6 +291,14 @@ export class SliceView {
 
   /**
    * Where the view shows a voxel, CSS pixels.
+   * @param {Vector} voxel
+   * @returns {[number, number]}
+   */
+  placeOf(voxel) {
+    return this.slice_ ? this.voxelPlace_(this.slice_, voxel) : [0, 0];
+  }
+
+  /**
    * @private
    * @param {Slice} slice
    * @param {Vector} voxel
@@ -331,6 +320,17 @@ export class SliceView {
     }
   }
 
+  /**
+   * Asks for the text of a note, see editNote().
+   * @param {[number, number]} place  CSS pixels of the view.
+   * @param {string} text
+   * @param {(text: string | null) => void} done
+   */
+  edit([x, y], text, done) {
+    const {offsetLeft, offsetTop} = this.canvas;
+    editNote(this.canvas, [offsetLeft + x, offsetTop + y], text, done);
+  }
+
   /** @private */
   draw_() {
     const {context, width, height, unit} = fitted(this.canvas);
@@ -347,7 +347,7 @@ export class SliceView {
     if (this.crosshair_) {
       paintCrosshair(paper, this.size_, this.crosshair_);
     }
-    paintMarks(paper, this.size_, this.marks_);
+    this.labels = paintMarks(paper, this.size_, this.marks_);
     paintLetters(paper, this.zoom_.times);
   }
 

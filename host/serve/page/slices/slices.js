@@ -299,7 +299,7 @@ class SlicesPanel {
     this.panes.forEach(({view}) => view.setMarks(marks));
   }
 
-  /** @param {import('./slice_view.js').Look} look */
+  /** @param {import('./slice_settings.js').Look} look */
   look(look) {
     this.panes.forEach(({view}) => view.setLook(look, this.window.through));
   }

@@ -1,0 +1,25 @@
+// The values of a region in words.
+import {counted, significant} from '../elements/numbers.js';
+
+/** @typedef {import('./measures.js').MeasuredSlice} MeasuredSlice */
+/** @typedef {import('./measures.js').Values} Values */
+
+/**
+ * "mean 41.2, deviation 8.1, 12 to 60 HU, 314 voxels"
+ * @param {Values} values
+ * @param {string} unit
+ */
+export function valuesText({voxels, mean, deviation, least, most}, unit) {
+  const spread = deviation === null ? '' : `, deviation ${significant(deviation, 4)}`;
+  return `mean ${significant(mean, 4)}${spread}, ${significant(least, 6)} to ` +
+    `${significant(most, 6)}${unit ? ` ${unit}` : ''}, ${counted(voxels, 'voxel')}`;
+}
+
+/**
+ * ", max of a slab of 10 mm" if the values of a region are those of a slab.
+ * @param {MeasuredSlice} [slice]
+ */
+export function slabNote(slice) {
+  return slice?.slab_mm ? `, ${slice.slab_kind} of a slab of ` +
+    `${significant(slice.slab_mm, 4)} mm` : '';
+}
