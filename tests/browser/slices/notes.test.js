@@ -110,3 +110,19 @@ test('the arrow of a note can be dragged to another place', async () => {
   assert.equal(after.text, before.text);
   assert.notDeepEqual(after.points_mm, before.points_mm);
 });
+
+test('a session with a wrong measurement opens without it, and says which', async () => {
+  await page.keyboard.press('Escape');
+  await byId('save-menu').click();
+  const session = String(await saved(() => byId('session-save').click()));
+  const line = session.split('\n').find(each => each.startsWith('# page '));
+  const own = JSON.parse(line.slice('# page '.length));
+  own.measurements[0].points_mm = [[1, 2]];
+  const file = path.join(server.folder, 'wrong.pxpl5');
+  await writeFile(file, session.replace(line, () => `# page ${JSON.stringify(own)}`));
+  await byId('save-menu').click();
+  await byId('session-open').setInputFiles(file);
+  await byId('toast-error').getByText(
+    /Measurement 1 was left out: points_mm is \[\[1,2\]\]/).waitFor();
+  assert.equal((await listed()).length, own.measurements.length - 1);
+});

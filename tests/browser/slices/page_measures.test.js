@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
+import {checked} from '../../../host/serve/page/panel/measure_check.js';
 import {csvOf, jsonOf} from '../../../host/serve/page/panel/measure_files.js';
 import {valuesText} from '../../../host/serve/page/panel/measure_words.js';
 import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf}
@@ -133,13 +134,18 @@ test('files have every number in full', () => {
 
 test('sessions are restored, also those that had distances alone', () => {
   const measures = new Measures();
-  measures.restore([{name: '3', a_mm: [0, 0, 0], b_mm: [0, 3, 4], distance_mm: 5}]);
+  const old = checked([{name: '3', a_mm: [0, 0, 0], b_mm: [0, 3, 4], distance_mm: 5}]);
+  assert.deepEqual(old.errors, []);
+  measures.restore(old.list);
   assert.deepEqual(measures.list, [{name: '3', kind: 'distance', points_mm: [[0, 0, 0], [0, 3, 4]],
     value: 5}]);
   measures.add(REGION);
   assert.equal(measures.list[1].name, '4');
   const again = new Measures();
-  again.restore(JSON.parse(JSON.stringify(measures.list)));
+  measures.add({kind: 'note', points_mm: [[1, 2, 3]], value: 0, text: 'old'});
+  const saved = checked(JSON.parse(JSON.stringify(measures.list)));
+  assert.deepEqual(saved.errors, []);
+  again.restore(saved.list);
   assert.deepEqual(again.list, measures.list);
 });
 
@@ -150,4 +156,33 @@ test('more measurements than the limit are refused, and none is lost', () => {
   }
   assert.match(measures.add(REGION), /100 measurements.*Delete/);
   assert.equal(measures.list[0].name, '1');
+});
+
+test('a wrong measurement of a session is named with its field, and the others are kept', () => {
+  const right = {name: '1', kind: 'distance', points_mm: [[0, 0, 0], [0, 3, 4]], value: 5};
+  for (const [wrong, says] of /** @type {[any, RegExp][]} */ ([
+    [{name: ''}, /number 2 was left out: name is ""/],
+    [{name: '1'}, /Measurement 1 .*name is "1"/],
+    [{kind: 'volume'}, /Measurement 2 .*kind is "volume", but one of distance, angle/],
+    [{points_mm: [[0, 0, 0]]}, /points_mm is \[\[0,0,0\]\], but a list of 2 times 3 numbers/],
+    [{points_mm: [[0, 0, 0], [0, '3', 4]]}, /points_mm/],
+    [{points_mm: {length: 2}}, /points_mm is \{"length":2\}/],
+    [{value: '5'}, /value is "5", but a number/],
+    [{value: null}, /value is null/],
+    [{kind: 'note', points_mm: [[1, 2, 3]]}, /text is missing, but a text with at most 200/],
+    [{...REGION, slice: {axis: 'w', index: 4}}, /slice is \{"axis":"w","index":4\}/],
+    [{...REGION, slice: {axis: 'z', index: 4.5}}, /slice/],
+    [{...REGION, values: {...REGION.values, mean: 'x'}}, /values\.mean is "x", but a number/],
+    [{slice: {axis: 'z', index: 4}}, /slice is .*but none for this kind/],
+  ])) {
+    const {list, errors} = checked([right, {...right, name: '2', ...wrong}, {...right, name: '3'}]);
+    assert.deepEqual(list.map(({name}) => name), ['1', '3'], String(says));
+    assert.equal(errors.length, 1);
+    assert.match(errors[0], says);
+  }
+  assert.match(checked([right, 7]).errors[0], /number 2 was left out: it is 7, but an object/);
+  assert.match(checked('none').errors[0], /measurements is "none", but a list/);
+  const many = Array.from({length: MOST_MEASURES + 1}, (_, k) => ({...right, name: String(k)}));
+  assert.equal(checked(many).list.length, MOST_MEASURES);
+  assert.match(checked(many).errors[0], /101 measurements, but at most 100/);
 });

@@ -1,6 +1,7 @@
 // Panel: distances, angles, paths and notes on surfaces, over the picture; list of all measures.
 import {h, s} from '../elements/dom.js';
 import {saveBlob} from '../elements/save_file.js';
+import {checked} from '../panel/measure_check.js';
 import {csvOf, jsonOf} from '../panel/measure_files.js';
 import {MeasureList} from '../panel/measure_list.js';
 import {Points, labelText} from '../panel/measures.js';
@@ -21,6 +22,7 @@ const HINTS = {
   path: 'Click the points of a path on a surface. Enter ends it. Press Esc to stop.',
   note: 'Click a point on a surface, then type the note. Press Esc to stop.',
 };
+const MOST_ERRORS = 3;      // Of a session, in one message.
 const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 
 class MeasurePanel {
@@ -112,7 +114,21 @@ class MeasurePanel {
     });
     app.store.subscribe(['volume'], ({volume}) => this.open(volume?.identity ?? ''));
     app.session.add('measurements', {
-      save: () => app.measures.list, restore: list => app.measures.restore(list)});
+      save: () => app.measures.list, restore: saved => this.restore(saved)});
+  }
+
+  /**
+   * Takes the measurements of a session that are right, and reports the others.
+   * @param {unknown} saved
+   */
+  restore(saved) {
+    const {list, errors} = checked(saved);
+    this.app.measures.restore(list);
+    const more = errors.length - MOST_ERRORS;
+    if (errors.length > 0) {
+      this.app.toasts.error([...errors.slice(0, MOST_ERRORS),
+        ...more > 0 ? [`${more} more were left out.`] : []].join('\n'));
+    }
   }
 
   /** @param {string} identity  Another volume clears the measures. */

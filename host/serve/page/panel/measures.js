@@ -30,7 +30,7 @@ import {grouped, significant} from '../elements/numbers.js';
  */
 
 export const MOST_MEASURES = 100;
-const MOST_LETTERS = 60;    // Of a name.
+export const MOST_LETTERS = 60;     // Of a name.
 export const MOST_NOTE = 200;   // Letters.
 const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 
@@ -247,14 +247,13 @@ export class Measures {
     this.restore([]);
   }
 
-  /** @param {any[]} saved  What `list` was in a saved session; earlier ones had distances alone. */
+  /** @param {Measure[]} saved  See checked(). */
   restore(saved) {
     this.count_ = Math.max(0, ...saved.map(({name}) => Number(name)).filter(Number.isFinite));
     this.chosen = '';
     this.held_ = null;
     this.changed = {undo: [], redo: []};
-    this.set_(saved.map(each => each.kind ? each : {name: each.name, kind: 'distance',
-      points_mm: [each.a_mm, each.b_mm], value: each.distance_mm}));
+    this.set_(saved);
   }
 
   /**

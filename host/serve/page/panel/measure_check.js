@@ -1,0 +1,89 @@
+// Checks the measurements of a session's file, which anybody may have written.
+import {KIND_TITLES, MOST_LETTERS, MOST_MEASURES, MOST_NOTE, isRegion} from './measures.js';
+
+/** @typedef {import('./measures.js').Measure} Measure */
+
+/** Number of points; of a path the least. @type {Record<string, number>} */
+const POINTS = {distance: 2, angle: 3, path: 2, ellipse: 2, rectangle: 2, note: 1};
+const MOST_SHOWN = 60;      // Letters of a wrong value in an error.
+
+const isNumber = (/** @type {unknown} */ value) => Number.isFinite(value);
+const isText = (/** @type {unknown} */ value, /** @type {number} */ most) =>
+  typeof value === 'string' && value.trim() !== '' && value.length <= most;
+const isPoint = (/** @type {unknown} */ value) =>
+  Array.isArray(value) && value.length === 3 && value.every(isNumber);
+
+/**
+ * The measurements that are right, and an error for each of the others.
+ * @param {unknown} saved  Earlier sessions had distances alone.
+ * @returns {{list: Measure[], errors: string[]}}
+ */
+export function checked(saved) {
+  if (!Array.isArray(saved)) {
+    return {list: [], errors: [`measurements is ${shown(saved)}, but a list is needed.`]};
+  }
+  /** @type {Measure[]} */
+  const list = [];
+  const errors = saved.flatMap((each, index) => {
+    const measure = each && each.kind === undefined && each.a_mm ? {name: each.name,
+      kind: 'distance', points_mm: [each.a_mm, each.b_mm], value: each.distance_mm} : each;
+    const error = list.length >= MOST_MEASURES
+      ? `there are ${saved.length} measurements, but at most ${MOST_MEASURES} are kept.`
+      : errorOf(measure, list);
+    if (error === '') {
+      list.push(measure);
+      return [];
+    }
+    const name = isText(each?.name, MOST_LETTERS) ? each.name : `number ${index + 1}`;
+    return [`Measurement ${name} was left out: ${error}`];
+  });
+  return {list, errors};
+}
+
+/**
+ * What is wrong with a measurement; empty for nothing.
+ * @param {any} measure
+ * @param {Measure[]} before
+ */
+function errorOf(measure, before) {
+  if (typeof measure !== 'object' || measure === null) {
+    return `it is ${shown(measure)}, but an object is needed.`;
+  }
+  const {name, kind, points_mm, value, text, slice, values} = measure;
+  const needs = (/** @type {string} */ field, /** @type {unknown} */ is,
+    /** @type {string} */ what) => `${field} is ${shown(is)}, but ${what} is needed.`;
+  if (!isText(name, MOST_LETTERS) || before.some(each => each.name === name)) {
+    return needs('name', name, `a text of its own with at most ${MOST_LETTERS} letters`);
+  }
+  if (!Object.keys(KIND_TITLES).includes(kind)) {
+    return needs('kind', kind, `one of ${Object.keys(KIND_TITLES).join(', ')}`);
+  }
+  const isMany = Array.isArray(points_mm) && (kind === 'path' ? points_mm.length >= POINTS[kind]
+    : points_mm.length === POINTS[kind]);
+  if (!isMany || !points_mm.every(isPoint)) {
+    return needs('points_mm', points_mm, `a list of ${kind === 'path' ? 'at least ' : ''}`
+      + `${POINTS[kind]} times 3 numbers`);
+  }
+  if (!isNumber(value) || value < 0) {
+    return needs('value', value, 'a number of 0 or more');
+  }
+  if (kind === 'note' && !isText(text, MOST_NOTE)) {
+    return needs('text', text, `a text with at most ${MOST_NOTE} letters`);
+  }
+  if (!isRegion(kind)) {
+    return slice === undefined && values === undefined ? ''
+      : needs('slice', slice ?? values, 'none for this kind');
+  }
+  if (!['x', 'y', 'z'].includes(slice?.axis) || !Number.isInteger(slice.index) || slice.index < 0) {
+    return needs('slice', slice, 'an axis x, y or z and an index of 0 or more');
+  }
+  const wrong = ['voxels', 'mean', 'deviation', 'least', 'most'].find(field =>
+    !isNumber(values?.[field]) && !(field === 'deviation' && values?.deviation === null));
+  return wrong ? needs(`values.${wrong}`, values?.[wrong], 'a number') : '';
+}
+
+/** @param {unknown} value */
+function shown(value) {
+  const text = JSON.stringify(value) ?? 'missing';
+  return text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text;
+}
