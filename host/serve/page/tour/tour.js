@@ -175,7 +175,8 @@ class Tour {
     } else if (this.needsReport() && this.isExplained(revision)) {
       this.drawOnce();
     } else if (this.course.asked !== revision) {
-      this.course.asked = revision;
+      this.course = {asked: revision, isDrawn: false, isShown: false};
+      this.facts.report = null;
       this.expect();
       if (this.step === CLOCK) {
         document.dispatchEvent(new Event('estimate'));
@@ -281,6 +282,8 @@ class Tour {
     this.revisions.modelled = revision;
     if (this.step === CLOCK) {
       this.take(error);
+    } else if (this.step > 0) {
+      this.scroll();  // The panel has scrolled to the estimate.
     }
   }
 
