@@ -180,3 +180,15 @@ test('files that were opened are listed until they are cleared, uploads and buil
   await byId('browse-list').waitFor();
   assert.ok(await byId('recent').isHidden());
 });
+
+test('dialogs and panels have their names for screen readers', async () => {
+  await page.keyboard.press('Escape');
+  for (const [button, name] of [['open-panel', 'Open a volume'], ['save-menu', 'Save'],
+                                ['help', 'Help']]) {
+    await byId(button).click();
+    assert.equal(await page.getByRole('dialog', { name, exact: true }).count(), 1, name);
+    await page.keyboard.press('Escape');
+  }
+  await byId('tab-volume').click();
+  assert.equal(await page.getByRole('tabpanel', { name: 'Volume', exact: true }).count(), 1);
+});

@@ -67,7 +67,7 @@ const SHEET = [
  * @returns {() => void} shows the sheet
  */
 export function createHelp(headset, tour) {
-  const dialog = h('dialog', {id: 'help', 'aria-labeledby': 'help-title',
+  const dialog = h('dialog', {id: 'help', 'aria-labelledby': 'help-title',
     'data-testid': 'help-sheet'},
     h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, 'Help'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',

@@ -30,7 +30,7 @@ export function createOpenDialog(app) {
   const path = h('input', {type: 'text', class: 'grow', id: 'open-path', autocomplete: 'off',
     spellcheck: 'false', 'data-testid': 'open-path'});
   const options = createOptions();
-  const dialog = h('dialog', {id: 'open', 'aria-labeledby': 'open-title', 'data-testid': 'open'});
+  const dialog = h('dialog', {id: 'open', 'aria-labelledby': 'open-title', 'data-testid': 'open'});
   const wrong = h('p', {class: 'wrong', role: 'alert', hidden: true, 'data-testid': 'open-error'});
   const series = createSeries();
   let isLoading = false;

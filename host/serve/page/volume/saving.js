@@ -56,7 +56,7 @@ function baseName({store}) {
  * @returns {() => void} shows the dialog
  */
 export function createSaveDialog(app) {
-  const dialog = h('dialog', {id: 'save', 'aria-labeledby': 'save-title', 'data-testid': 'save'});
+  const dialog = h('dialog', {id: 'save', 'aria-labelledby': 'save-title', 'data-testid': 'save'});
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, 'Save'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
