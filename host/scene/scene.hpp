@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -74,16 +75,23 @@ struct DetailChoice {
     friend bool operator==(const DetailChoice&, const DetailChoice&) = default;
 };
 
+/// The place of a picture that is a part of a larger one.
+struct PicturePart {
+    Size whole;             ///< Of the larger picture of one eye.
+    int left = 0, top = 0;  ///< Pixels.
+};
+
 struct Scene {
     Camera camera;
     /// From above left, and a weaker one from the right, so that no side is without shape.
     std::vector<Light> lights = {{-28, 32, 0.72}, {55, -8, 0.26}};
     Material material;
     Color background{18, 22, 30};
-    Size size{512, 512};            ///< The picture of one eye.
-    std::vector<Surface> surfaces;  ///< In drawing order.
-    std::vector<SceneClip> clips;   ///< Only points on the kept side of all planes are drawn.
-    bool tint_gaps = false;         ///< Surfaces across missing slices are drawn in `gap_color`.
+    Size size{512, 512};              ///< The picture of one eye.
+    std::optional<PicturePart> part;  ///< Set while a large picture is drawn in parts.
+    std::vector<Surface> surfaces;    ///< In drawing order.
+    std::vector<SceneClip> clips;     ///< Only points on the kept side of all planes are drawn.
+    bool tint_gaps = false;           ///< Surfaces across missing slices are drawn in `gap_color`.
     Color gap_color{226, 84, 62};
     int samples = 1;  ///< Samples per pixel of a picture, one of sample_counts.
     DetailChoice detail;

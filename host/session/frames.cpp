@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <cmath>
 #include <span>
 #include <utility>
 
@@ -10,6 +11,7 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/session/transfer/detail.hpp"
+#include "host/session/transfer/picture_parts.hpp"
 #include "host/session/transfer/scene_transfer.hpp"
 #include "isa/contract/sample_sums.hpp"
 #include "ringbus/rules/regions.hpp"
@@ -191,7 +193,8 @@ std::optional<Picture> Frames::take_ahead(int samples) {
 }
 
 Picture Frames::draw() {
-    return *draw_samples(scene_.samples);
+    const int samples = scene_.samples;
+    return samples <= max_samples() ? *draw_samples(samples) : draw_in_parts(samples);
 }
 
 std::optional<Picture> Frames::draw_samples(int samples, const std::function<bool()>& go_on,
@@ -212,18 +215,48 @@ std::optional<Picture> Frames::draw_samples(int samples, const std::function<boo
     return take_oldest();
 }
 
+std::size_t Frames::max_summed_regions(int samples) const {
+    return conversation_.renderer_count() *
+           isa::max_summed_regions(static_cast<std::uint32_t>(samples));
+}
+
 int Frames::max_samples() const {
     const auto px = [](int length) { return static_cast<std::uint32_t>(length); };
-    const std::uint32_t views = scene_.stereo.mode == StereoMode::off ? 1 : 2;
-    const std::size_t regions = region_count(px(scene_.size.width), px(scene_.size.height), views);
-    const std::size_t renderers = conversation_.renderer_count();
+    const std::size_t regions =
+        region_count(px(scene_.size.width), px(scene_.size.height), views());
     int most = 1;
     for (const int samples : sample_counts) {
-        if ((regions + renderers - 1) / renderers <= isa::max_summed_regions(px(samples))) {
+        if (samples > 1 && regions <= max_summed_regions(samples)) {
             most = samples;
         }
     }
     return most;
+}
+
+Picture Frames::draw_in_parts(int samples) {
+    struct Restore {
+        Scene& scene;
+        const Size size = scene.size;
+        ~Restore() {
+            scene.size = size;
+            scene.part.reset();
+        }
+    };
+    const Restore whole{scene_};
+    const auto count = [](int length) { return static_cast<std::size_t>(length); };
+    std::vector<std::uint32_t> pixels(views() * count(whole.size.width) * count(whole.size.height));
+    double elapsed_ms = 0;
+    for (const SizedPart& part : parts_of(whole.size, max_summed_regions(samples) / views())) {
+        scene_.part = part.place;
+        scene_.size = part.size;
+        const std::optional<Picture> drawn =
+            draw_samples(samples, {}, ReadBack::pixels, PairForm::apart);
+        put_part(part, {drawn->rgba.data(), drawn->rgba.size()}, pixels);
+        elapsed_ms += last_.elapsed_ms;
+    }
+    last_.elapsed_ms = elapsed_ms;
+    return views() == 1 ? Picture{whole.size.width, whole.size.height, std::move(pixels)}
+                        : composed_picture(pixels, whole.size, scene_.stereo.mode);
 }
 
 std::uint64_t Frames::key_of(const Scene& scene) const {
@@ -276,7 +309,7 @@ std::optional<Frames::Picked> Frames::chosen(std::span<const Picked> hits,
     return first != hits.end() ? std::optional(*first) : std::nullopt;
 }
 
-OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
+OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight, double degrees) {
     assert(in_flight >= 1 && in_flight <= max_frames_in_flight);
     drop_ahead();
     // Restores the camera and leaves no frame of the orbit over, also if `take` throws.
@@ -289,9 +322,10 @@ OrbitReport Frames::orbit(int frames, const TakeFrame& take, int in_flight) {
         }
     };
     const Restore restore{*this};
+    const int steps = std::fmod(degrees, 360) == 0 ? frames : std::max(frames - 1, 1);
     const auto camera_of = [&](int index) {
         Camera camera = restore.before;
-        camera.angles.azimuth_deg += 360.0 * index / frames;
+        camera.angles.azimuth_deg += degrees * index / steps;
         return camera;
     };
     std::vector<double> latencies_ms;

@@ -71,7 +71,8 @@ class Frames {
         int detail = 0;
     };
 
-    /// Draws the scene with its number of samples per pixel.
+    /// Draws the scene with its number of samples per pixel. If the Renderers have no room for the
+    /// sums of the whole picture, draws parts of it, one after the other.
     Picture draw();
     /// Draws the scene with 1, 4 or 16 samples per pixel (sample_offset()), two passes at a time.
     /// Only a picture of one sample has depths; a frame that was requested ahead has none.
@@ -104,10 +105,13 @@ class Frames {
     std::vector<CountedFrame> draw_counted();
     /// The most samples that the machine can draw a picture of the scene's size with.
     int max_samples() const;
-    /// Draws `frames` frames, the azimuth growing by 360/frames each, `in_flight` (1 or 2) at a
-    /// time. Gives each to `take` in order, with its camera. The scene's camera stays the same.
+    /// Draws `frames` frames around the volume, `in_flight` (1 or 2) at a time, and gives each to
+    /// `take` in order, with its camera. The azimuth grows by `degrees` in all. Whole turns end one
+    /// step before their begin, so that they can be repeated; the last frame of other turns is at
+    /// their end. The scene's camera stays the same.
     using TakeFrame = std::function<void(int, const Picture&, const Camera&)>;
-    OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight);
+    OrbitReport orbit(int frames, const TakeFrame& take, int in_flight = max_frames_in_flight,
+                      double degrees = 360);
 
     /// Announces that the next new surface is drawn once it is extracted, in this way and with one
     /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
@@ -172,6 +176,10 @@ class Frames {
     std::uint64_t key_of(const Scene& scene) const;
     void request(const Scene& scene, const Stage& stage, ReadBack read_back = ReadBack::pixels,
                  Pass pass = {}, bool counts = false, PairForm form = PairForm::composed);
+    std::size_t views() const { return scene_.stereo.mode == StereoMode::off ? 1 : 2; }
+    /// How many regions all Renderers together have room to sum.
+    std::size_t max_summed_regions(int samples) const;
+    Picture draw_in_parts(int samples);
     std::optional<Layers> draw_layers_of(const Scene& scene, Stage part);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);

@@ -66,6 +66,9 @@ struct Session {
     std::function<void(const CommandDescriptor&, const Arguments&)> check_command;
     /// Called with what a load has opened, and with an empty text when that is lost. May be empty.
     std::function<void(const std::string&)> tell_opened;
+    /// Called after each picture of a command that draws many: how many are drawn, and of how many.
+    /// May be empty.
+    std::function<void(int done, int total)> tell_pictures;
     std::any asked;  ///< Values that a higher layer keeps between questions.
 
     Conversation conversation;

@@ -48,6 +48,20 @@ glm::dmat4 moved(glm::dmat4 projection, Size size, Pass pass) {
     return projection;
 }
 
+/// The projection of a part of the picture. Clip space is 2 wide and 2 high, before the division by
+/// w, and y goes up.
+glm::dmat4 cropped(glm::dmat4 projection, const PicturePart& part, Size size) {
+    const glm::dvec2 whole(part.whole.width, part.whole.height), own(size.width, size.height);
+    const glm::dvec2 scale = whole / own;
+    const glm::dvec2 middle = (whole - 2.0 * glm::dvec2(part.left, part.top)) / own - 1.0;
+    for (int column = 0; column < 4; ++column) {
+        const double w = projection[column][3];
+        projection[column][0] = projection[column][0] * scale.x + w * middle.x;
+        projection[column][1] = projection[column][1] * scale.y - w * middle.y;
+    }
+    return projection;
+}
+
 std::unique_ptr<schema::ViewT> view_of(const CameraMatrices& camera, const Scene& scene,
                                        const Stage& stage, Pass pass) {
     auto view = std::make_unique<schema::ViewT>();
@@ -61,11 +75,19 @@ std::unique_ptr<schema::ViewT> view_of(const CameraMatrices& camera, const Scene
 }  // namespace
 
 std::vector<CameraMatrices> cameras_of(const Scene& scene, const Subject& subject) {
-    const double aspect = static_cast<double>(scene.size.width) / scene.size.height;
+    const Size whole = scene.part ? scene.part->whole : scene.size;
+    const double aspect = static_cast<double>(whole.width) / whole.height;
     const CameraMatrices middle = camera_matrices(scene.camera, subject, aspect);
-    return scene.stereo.mode == StereoMode::off
-               ? std::vector{middle}
-               : eye_matrices(middle, eye_places(scene.stereo, scene.camera, subject));
+    std::vector<CameraMatrices> cameras =
+        scene.stereo.mode == StereoMode::off
+            ? std::vector{middle}
+            : eye_matrices(middle, eye_places(scene.stereo, scene.camera, subject));
+    if (scene.part) {
+        for (CameraMatrices& camera : cameras) {
+            camera.projection = cropped(camera.projection, *scene.part, scene.size);
+        }
+    }
+    return cameras;
 }
 
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage) {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "host/base/error.hpp"
@@ -125,6 +126,63 @@ TEST_CASE("the most samples are those that the Renderers have room to sum") {
                          RequestError);
     bench.session.scene.size = {4096, 4096};
     CHECK(bench.session.frames.max_samples() == 1);
+    CHECK(!bench.session.scene.part.has_value());
     bench.session.scene.size = {200, 150};
     CHECK(bench.session.frames.draw_samples(16).has_value());
+}
+
+TEST_CASE("a picture whose sums have no room is drawn in parts, and is the same picture") {
+    // Without letters at the seams a misplaced part could not be seen.
+    const auto drawn = [](int renderers, StereoMode stereo) {
+        LettersBench bench(1, renderers);
+        Scene& scene = bench.session.scene;
+        scene.samples = 16;
+        scene.stereo.mode = stereo;
+        scene.size = stereo == StereoMode::off ? Size{1290, 1160} : Size{1000, 1160};
+        CHECK((bench.session.frames.max_samples() == 16) == (renderers > 2));
+        const Picture picture = bench.session.frames.draw();
+        CHECK(scene.size == (stereo == StereoMode::off ? Size{1290, 1160} : Size{1000, 1160}));
+        CHECK(!scene.part.has_value());
+        return picture;
+    };
+    for (const StereoMode stereo : {StereoMode::off, StereoMode::side_by_side}) {
+        // 11 x 10 regions of two views, or 8 x 10: room for 64, and for all.
+        const Picture parts = drawn(1, stereo), whole = drawn(3, stereo);
+        REQUIRE(parts.width == whole.width);
+        REQUIRE(parts.height == whole.height);
+        REQUIRE(parts.rgba.size() == whole.rgba.size());
+        std::size_t different = 0, surface = 0;
+        for (std::size_t at = 0; at < whole.rgba.size(); ++at) {
+            different += parts.rgba[at] != whole.rgba[at] ? 1 : 0;
+            surface += whole.rgba[at] != whole.rgba[0] ? 1 : 0;
+        }
+        CHECK(surface > whole.rgba.size() / 20);
+        // GPs compute places in floats, so that a part may round a corner to another sixteenth.
+        CHECK(different <= surface / 100);
+    }
+}
+
+TEST_CASE("a picture with its own settings leaves the scene as it was, also after an error") {
+    LettersBench bench(1, 2);
+    Session& session = bench.session;
+    const Scene before = session.scene;
+    const auto is_unchanged = [&] {
+        const Scene& now = session.scene;
+        return now.size == before.size && now.samples == before.samples &&
+               now.overlay == before.overlay && now.background == before.background &&
+               now.stereo.mode == before.stereo.mode && !now.part.has_value();
+    };
+    const std::string file = "snapshot no/such/folder/a.png size=300x20 ";
+    for (const std::string& line :
+         {file + "samples=4 overlay=off ground=white", file + "samples=16 ground=transparent",
+          file + "samples=5", file + "ground=none",
+          std::string("snapshot a.exr ground=transparent")}) {
+        CAPTURE(line);
+        CHECK_THROWS_AS(run_command(session, parse_line(line)), RequestError);
+        CHECK(is_unchanged());
+    }
+    session.scene.stereo.mode = StereoMode::anaglyph;
+    CHECK_THROWS_WITH_AS(run_command(session, parse_line("snapshot a.png ground=transparent")),
+                         doctest::Contains("not possible in an anaglyph"), RequestError);
+    CHECK(session.scene.background == before.background);
 }
