@@ -13,7 +13,7 @@ packages=(
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
     libseccomp-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
-    libwebsockets-dev libturbojpeg0-dev libvpx-dev esbuild libnlopt-dev
+    libwebsockets-dev libturbojpeg0-dev libvpx-dev libavformat-dev esbuild libnlopt-dev
     doctest-dev libbenchmark-dev jq
 )
 has_tests=false has_cluster=false
@@ -28,8 +28,8 @@ for argument in "$@"; do
     esac
 done
 if $has_tests; then
-    packages+=(chromium python3-jsonschema python3-yaml clang-format clang-19 clang-tidy-19 lld-19
-        libclang-rt-19-dev llvm-19 gcovr)
+    packages+=(chromium libwebm-dev python3-jsonschema python3-yaml clang-format clang-19
+        clang-tidy-19 lld-19 libclang-rt-19-dev llvm-19 gcovr)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "host/film/video_image.hpp"
+
 namespace pxpl5::host::serve {
 namespace {
 
@@ -22,80 +24,6 @@ constexpr unsigned most_kilobits = 1'000'000;
 constexpr unsigned buffer_ms = 400;      // The encoder balances frames over so long.
 constexpr double worth_a_change = 0.05;  // Relative. Smaller changes of the goal are ignored.
 
-/// Red, green and blue of a pixel, or the sums of several.
-struct Color {
-    int red = 0, green = 0, blue = 0;
-
-    void add(std::uint32_t pixel) {
-        red += static_cast<int>(pixel & 0xffU);
-        green += static_cast<int>(pixel >> 8U & 0xffU);
-        blue += static_cast<int>(pixel >> 16U & 0xffU);
-    }
-};
-
-/// Rows of a plane of an image.
-struct Plane {
-    unsigned char* first = nullptr;
-    int stride = 0;
-    unsigned char* row(int y) const {
-        return first + static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(stride);
-    }
-};
-
-Plane plane_of(const vpx_image_t& image, int index) {
-    return {image.planes[index], image.stride[index]};
-}
-
-// Coefficients times 256, and offsets, with a half to round. Source: ITU-R BT.601.
-void fill_brightness(const std::uint32_t* pixels, int width, unsigned char* out) {
-    for (int x = 0; x < width; ++x) {
-        Color c;
-        c.add(pixels[x]);
-        out[x] = static_cast<unsigned char>(
-            (66 * c.red + 129 * c.green + 25 * c.blue + (16 << 8) + 128) >> 8);
-    }
-}
-
-/// below  The second of two rows.
-void fill_colors(const std::uint32_t* pixels, const std::uint32_t* below, int width,
-                 unsigned char* blueness, unsigned char* redness) {
-    constexpr int shift = 10;  // 256, times 4 pixels.
-    constexpr int offset = (128 << shift) + (1 << (shift - 1));
-    const auto fill = [&](int x, int right) {
-        Color c;
-        for (const std::uint32_t pixel : {pixels[x], pixels[right], below[x], below[right]}) {
-            c.add(pixel);
-        }
-        blueness[x / 2] = static_cast<unsigned char>(
-            (-38 * c.red - 74 * c.green + 112 * c.blue + offset) >> shift);
-        redness[x / 2] = static_cast<unsigned char>(
-            (112 * c.red - 94 * c.green - 18 * c.blue + offset) >> shift);
-    };
-    int x = 0;
-    for (; x + 1 < width; x += 2) {
-        fill(x, x + 1);
-    }
-    if (x < width) {
-        fill(x, x);
-    }
-}
-
-void fill_image(const vpx_image_t& image, std::span<const std::uint32_t> rgba) {
-    const int width = static_cast<int>(image.d_w), height = static_cast<int>(image.d_h);
-    const Plane brightness = plane_of(image, VPX_PLANE_Y);
-    const Plane blueness = plane_of(image, VPX_PLANE_U), redness = plane_of(image, VPX_PLANE_V);
-    const auto row = [&](int y) {
-        return rgba.data() + static_cast<std::ptrdiff_t>(y) * static_cast<std::ptrdiff_t>(width);
-    };
-    for (int y = 0; y < height; ++y) {
-        fill_brightness(row(y), width, brightness.row(y));
-        if (y % 2 == 0) {
-            fill_colors(row(y), row(std::min(y + 1, height - 1)), width, blueness.row(y / 2),
-                        redness.row(y / 2));
-        }
-    }
-}
-
 unsigned kilobits_of(std::size_t bytes_per_frame) {
     const double kilobits = static_cast<double>(bytes_per_frame) * 8 * frames_per_second / 1000;
     return static_cast<unsigned>(std::clamp<double>(kilobits, least_kilobits, most_kilobits));
@@ -106,7 +34,8 @@ unsigned kilobits_of(std::size_t bytes_per_frame) {
 /// libvpx's encoder for pictures of one size.
 class VideoEncoder::Codec {
   public:
-    Codec(int width, int height, std::size_t goal_bytes) : width_(width), height_(height) {
+    Codec(int width, int height, std::size_t goal_bytes)
+        : width_(width), height_(height), image_(width, height) {
         check(vpx_codec_enc_config_default(vpx_codec_vp8_cx(), &config_, 0));
         config_.g_w = static_cast<unsigned>(width);
         config_.g_h = static_cast<unsigned>(height);
@@ -124,10 +53,6 @@ class VideoEncoder::Codec {
         config_.kf_mode = VPX_KF_DISABLED;  // None but those that are asked for.
         check(vpx_codec_enc_init(&codec_, vpx_codec_vp8_cx(), &config_, 0));
         is_open_ = true;
-        if (vpx_img_alloc(&image_, VPX_IMG_FMT_I420, config_.g_w, config_.g_h, 32) == nullptr) {
-            close();
-            throw std::runtime_error("cannot encode a video: no memory");
-        }
         vpx_codec_control(&codec_, VP8E_SET_CPUUSED, speed);
         vpx_codec_control(&codec_, VP8E_SET_STATIC_THRESHOLD, still_threshold);
         vpx_codec_control(&codec_, VP8E_SET_MAX_INTRA_BITRATE_PCT, key_frame_percent);
@@ -148,9 +73,9 @@ class VideoEncoder::Codec {
     }
 
     Frame encode(std::span<const std::uint32_t> rgba) {
-        fill_image(image_, rgba);
-        check(vpx_codec_encode(&codec_, &image_, frames_, 1, frames_ == 0 ? VPX_EFLAG_FORCE_KF : 0,
-                               VPX_DL_REALTIME));
+        image_.fill(rgba);
+        check(vpx_codec_encode(&codec_, image_.get(), frames_, 1,
+                               frames_ == 0 ? VPX_EFLAG_FORCE_KF : 0, VPX_DL_REALTIME));
         ++frames_;
         Frame frame;
         vpx_codec_iter_t next = nullptr;
@@ -179,7 +104,6 @@ class VideoEncoder::Codec {
     }
     void close() {
         if (is_open_) {
-            vpx_img_free(&image_);
             vpx_codec_destroy(&codec_);
         }
         is_open_ = false;
@@ -188,7 +112,7 @@ class VideoEncoder::Codec {
     int width_, height_;
     vpx_codec_enc_cfg_t config_{};
     vpx_codec_ctx_t codec_{};
-    vpx_image_t image_{};
+    film::VideoImage image_;
     bool is_open_ = false;
     vpx_codec_pts_t frames_ = 0;
 };
