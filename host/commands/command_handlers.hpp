@@ -64,9 +64,6 @@ Reply run_quit(Session& session, const Arguments& arguments);
 inline constexpr double max_angle_deg = 36000, max_place_mm = 1e6;
 inline constexpr double min_zoom = 0.05, max_zoom = 100;
 
-/// 1, 4 or 16. Throws RequestError (usage) with the command's name.
-int parse_samples(const std::string& command, const std::string& text);
-
 /// Options of `model`: the parameters of a machine.
 std::vector<Parameter> model_options();
 

@@ -10,86 +10,14 @@
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_options.hpp"
+#include "host/commands/pictures/picture_files.hpp"
+#include "host/commands/pictures/picture_settings.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/session/transfer/detail.hpp"
 
 namespace pxpl5::host {
 
 namespace {
-
-constexpr int max_animation_frames = 2'000;
-
-/// Whether all pixels are the background.
-bool is_blank(const Picture& picture) {
-    return std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
-}
-
-/// Where the pictures of a command go that draws many: nowhere, into a file each, or into one
-/// animation.
-class PictureFiles {
-  public:
-    /// Refuses the command if its `at`-th word, which may be missing, names no such place.
-    PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count)
-        : session_(session), delay_ms_(arguments.number("delay_ms", 40)) {
-        if (arguments.words.size() > at) {
-            pattern_ = arguments.words[at];
-        }
-        is_animation_ = pattern_.ends_with(".gif");
-        if (!pattern_.empty() && !is_animation_ && pattern_.find("{}") == std::string::npos) {
-            refuse_command(
-                fmt::format("{}: '{}' is no .gif and has no {{}} where the frame's number goes",
-                            arguments.name, pattern_));
-        }
-        if (is_animation_ && count > max_animation_frames) {
-            refuse_command(fmt::format("{}: {} frames are too many for {}, {} are the most",
-                                       arguments.name, count, pattern_, max_animation_frames));
-        }
-    }
-
-    void take(int index, const Picture& picture, const Camera& camera) {
-        is_blank_ = is_blank_ && !pattern_.empty() && is_blank(picture);
-        if (is_animation_) {
-            pictures_.push_back(picture);
-        } else if (!pattern_.empty()) {
-            std::string path = pattern_;
-            path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
-            session_.exports.pictures({&picture, 1}, path, picture_extras(session_, camera));
-            ++written_;
-        }
-    }
-    /// Writes the animation, if it is one.
-    void finish() {
-        if (is_animation_) {
-            PictureExtras extras = animation_extras(session_);
-            extras.delay_ms = static_cast<int>(delay_ms_);
-            session_.exports.pictures(pictures_, pattern_, extras);
-            written_ = 1;
-        }
-    }
-    std::int64_t written() const { return written_; }
-    /// Adds a warning if pictures were written in which nothing is visible.
-    void warn(Reply& reply) const {
-        if (is_blank_ && written_ != 0) {
-            add_warning(reply, "nothing is visible in any of the pictures", "; ");
-        }
-    }
-    /// Whether files were written between the pictures: times then tell of writing.
-    bool has_interrupted() const { return written_ != 0 && !is_animation_; }
-    /// For the end of the command's answer.
-    std::string text() const {
-        return has_interrupted() ? fmt::format(", {} pictures written", written_)
-               : written_ != 0   ? "; wrote " + pattern_
-                                 : "";
-    }
-
-  private:
-    Session& session_;
-    double delay_ms_;
-    std::string pattern_;
-    bool is_animation_ = false, is_blank_ = true;
-    std::int64_t written_ = 0;
-    std::vector<Picture> pictures_;
-};
 
 /// States that the newest picture is simplified, if it is.
 void add_simplified(Reply& reply, const Session& session) {
@@ -107,46 +35,24 @@ Fields to_fields(const Spread& spread) {
     return {{"median", spread.median}, {"p95", spread.p95}, {"max", spread.max}};
 }
 
-/// The settings of one picture. The scene has its own again afterwards.
-class OnePicture {
-  public:
-    OnePicture(Scene& scene, const Arguments& arguments)
-        : scene_(scene),
-          size_(scene.size),
-          samples_(scene.samples),
-          overlay_(scene.overlay),
-          mode_(scene.stereo.mode) {
-        const std::string& path = arguments.words[0];
-        check_eyes(arguments.name, path, mode_ != StereoMode::off);
-        const bool is_pair = is_pair_in_one(path) || is_pair_in_two(path);
-        const Size size = arguments.has("size")
-                              ? parse_size(arguments.text("size", ""), 1, max_user_picture_px)
-                              : size_;
-        const std::string samples = arguments.text("samples", std::to_string(samples_));
-        scene.samples = parse_samples(arguments.name, samples);
-        scene.size = size;
-        scene.overlay = arguments.text("overlay", overlay_ ? "on" : "off") == "on";
-        if (is_pair) {  // The left eye's picture lies at the right in a .jps file.
-            scene.stereo.mode =
-                is_pair_in_one(path) ? StereoMode::crossed : StereoMode::side_by_side;
-        }
+/// Throws RequestError (usage) for a transparent ground, which only single pictures have.
+void refuse_transparent(const Arguments& arguments, const PictureSettings& settings) {
+    if (settings.is_transparent()) {
+        refuse_command(fmt::format(
+            "{}: its pictures cannot have a transparent ground. Name a color: ground=white",
+            arguments.name));
     }
-    ~OnePicture() {
-        scene_.size = size_;
-        scene_.samples = samples_;
-        scene_.overlay = overlay_;
-        scene_.stereo.mode = mode_;
-    }
-    OnePicture(const OnePicture&) = delete;
-    OnePicture& operator=(const OnePicture&) = delete;
+}
 
-  private:
-    Scene& scene_;
-    Size size_;
-    int samples_;
-    bool overlay_;
-    StereoMode mode_;
-};
+/// Throws RequestError (usage) if the file cannot have a transparent ground.
+void check_transparent(const std::string& path) {
+    if (!path.ends_with(".png") && !path.ends_with(".tif") && !path.ends_with(".tiff")) {
+        refuse_command(fmt::format(
+            "snapshot: {} cannot have a transparent ground. Write a .png or .tif, or name a "
+            "color: ground=white",
+            path));
+    }
+}
 
 /// Both halves of a picture, left half first.
 std::vector<Picture> halves_of(const Picture& pair) {
@@ -166,10 +72,18 @@ std::vector<Picture> halves_of(const Picture& pair) {
 }  // namespace
 
 Reply run_snapshot(Session& session, const Arguments& arguments) {
-    const OnePicture settings(session.scene, arguments);
-    const Picture picture = session.frames.draw();
-    const double draw_ms = session.frames.last().elapsed_ms;
     const std::string& path = arguments.words[0];
+    check_eyes(arguments.name, path, session.scene.stereo.mode != StereoMode::off);
+    const PictureSettings settings(session.scene, arguments);
+    if (settings.is_transparent()) {
+        check_transparent(path);
+    }
+    if (is_pair_in_one(path)) {  // The left eye's picture lies at the right in a .jps file.
+        session.scene.stereo.mode = StereoMode::crossed;
+    } else if (is_pair_in_two(path)) {
+        session.scene.stereo.mode = StereoMode::side_by_side;
+    }
+    const auto [picture, draw_ms] = draw_picture(session, settings.is_transparent());
     const bool is_two = is_pair_in_two(path);
     const std::vector<Picture> pictures = is_two ? halves_of(picture) : std::vector{picture};
     session.exports.pictures(pictures, path,
@@ -193,13 +107,16 @@ Reply run_snapshot(Session& session, const Arguments& arguments) {
 Reply run_orbit(Session& session, const Arguments& arguments) {
     const int count = parse_whole("N", arguments.words[0]);
     const int in_flight = parse_whole("inflight", arguments.text("inflight", "2"));
+    const double degrees = arguments.number("degrees", 360);
+    const PictureSettings settings(session.scene, arguments);
+    refuse_transparent(arguments, settings);
     PictureFiles files(session, arguments, 1, count);
     const OrbitReport report = session.frames.orbit(
         count,
         [&](int index, const Picture& picture, const Camera& camera) {
             files.take(index, picture, camera);
         },
-        in_flight);
+        in_flight, degrees);
     files.finish();
     const double rate = report.frames * 1000.0 / report.elapsed_ms;
     Reply reply{fmt::format("{} frames in {:.0f} ms", report.frames, report.elapsed_ms),
@@ -208,6 +125,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
                  {"inflight", std::int64_t{in_flight}},
                  {"latency_ms", to_fields(report.latency_ms)},
                  {"written", files.written()}}};
+    files.add_film(reply);
     if (!files.has_interrupted()) {
         reply.text +=
             fmt::format(", {:.1f} frames/s, a view's picture after {:.1f} ms (p95 {:.1f})", rate,
@@ -225,6 +143,8 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
     const double first = parse_number("FROM", arguments.words[1]);
     const double last = parse_number("TO", arguments.words[2]);
     const int count = parse_whole("N", arguments.words[3]);
+    const PictureSettings settings(session.scene, arguments);
+    refuse_transparent(arguments, settings);
     PictureFiles files(session, arguments, 4, count);
     if (const std::optional<Surface> known = session.surfaces.find(name)) {
         session.surfaces.end_comparison(known->compared_with.empty() ? name : known->compared_with);
@@ -251,6 +171,7 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
          {"picture_ms", to_fields(report.picture_ms)},
          {"empty", empty},
          {"written", files.written()}}};
+    files.add_film(reply);
     if (empty != 0) {
         add_warning(
             reply,

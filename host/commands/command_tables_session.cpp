@@ -3,6 +3,7 @@
 
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_tables.hpp"
+#include "host/film/film.hpp"
 
 namespace pxpl5::host {
 
@@ -16,15 +17,24 @@ constexpr Words script_forms = {"steps", "scene"};
 
 constexpr Parameter delay = number_value(
     "delay_ms", "D", 10, 60'000, "time between the pictures of a .gif; 40 by default", "ms");
+constexpr Parameter rate = number_value("rate", "R", film::min_rate, film::max_rate,
+                                        "frames per second of a .webm; 25 by default", "frames/s");
+constexpr std::array<std::string_view, 6> pattern_suffixes = {".png", ".tif", ".tiff",
+                                                              ".exr", ".gif", ".webm"};
 constexpr Parameter pattern = {"PATTERN",
-                               "PATTERN|FILE.gif",
-                               "files with {} for the number, or one animation",
+                               "PATTERN|FILE.webm|FILE.gif",
+                               "files with {} for the number, a film, or an animation",
                                ValueType::output,
                                0,
                                0,
                                {},
                                {},
-                               picture_suffixes};
+                               pattern_suffixes};
+constexpr Parameter size_of_pictures = {"size", "WIDTHxHEIGHT", "size of these pictures"};
+constexpr Parameter samples_of_pictures = {"samples", "1|4|16",
+                                           "samples per pixel of these pictures"};
+constexpr Parameter ground_of_pictures = {"ground", "shown|COLOR", "background of these pictures"};
+constexpr double max_turn_deg = 36'000;
 
 constexpr Parameter scale_option(std::string_view name, std::string_view help) {
     return {name, "+N|-N|N", help};
@@ -41,7 +51,9 @@ std::vector<Command> picture_commands() {
           .required = 1,
           .options = {{"size", "WIDTHxHEIGHT", "size of this picture"},
                       {"samples", "1|4|16", "samples per pixel of this picture"},
-                      choice_value("overlay", on_off, "marks of this picture")},
+                      choice_value("overlay", on_off, "marks of this picture"),
+                      {"ground", "shown|transparent|COLOR",
+                       "background of this picture; transparent: of a .png or .tif"}},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::picture},
@@ -50,8 +62,11 @@ std::vector<Command> picture_commands() {
           .help = "Draws N views around the volume and writes them.",
           .words = {whole_value("N", "N", 1, 100'000, "number of views"), pattern},
           .required = 1,
-          .options = {delay, whole_value("inflight", "N", 1, max_frames_in_flight,
-                                         "frames drawn at the same time", "2")},
+          .options = {number_value("degrees", "D", -max_turn_deg, max_turn_deg,
+                                   "turn of the view; 360 by default", "degrees"),
+                      delay, rate, size_of_pictures, samples_of_pictures, ground_of_pictures,
+                      whole_value("inflight", "N", 1, max_frames_in_flight,
+                                  "frames drawn at the same time", "2")},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output},
@@ -65,7 +80,7 @@ std::vector<Command> picture_commands() {
                     whole_value("N", "N", 2, 100'000, "number of isovalues"),
                     pattern},
           .required = 4,
-          .options = {delay},
+          .options = {delay, rate, size_of_pictures, samples_of_pictures, ground_of_pictures},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output},

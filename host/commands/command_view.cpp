@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
 #include "host/commands/command_handlers.hpp"
+#include "host/commands/pictures/picture_settings.hpp"
 #include "host/commands/fit_view.hpp"
 #include "host/scene/clip.hpp"
 #include "host/session/transfer/detail.hpp"
@@ -190,15 +191,6 @@ Reply run_clip(Session& session, const Arguments& arguments) {
     }
     static_assert(6 + box_planes <= max_clip_planes, "one plane of each letter, and a box");
     return describe_clips(session);
-}
-
-int parse_samples(const std::string& command, const std::string& text) {
-    const int samples = parse_whole("samples", text, 1, sample_counts.back());
-    if (std::ranges::find(sample_counts, samples) == sample_counts.end()) {
-        refuse_command(fmt::format("{}: {} samples per pixel, must be {}", command, samples,
-                                   fmt::join(sample_counts, ", ")));
-    }
-    return samples;
 }
 
 Reply run_antialias(Session& session, const Arguments& arguments) {

@@ -30,7 +30,8 @@ components s show=largest; certificate; compare s; compare s off; export {{}}/s.
 view 20 30 pan=1,2; light 1 20 30; light; clip L; clip off; material power=20; background red
 tint gaps; antialias 1; detail auto
 stereo sbs; stereo off; overlay on
-pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png; orbit 2
+pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png
+snapshot {{}}/c.png ground=transparent; orbit 2; orbit 2 {{}}/o.webm degrees=90 rate=10 size=32x32
 sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo
 redo; scale gp=2; computers; history; history {{}}/h.txt; remove t; play {{}}/play.txt
 help; help load"""
