@@ -83,6 +83,11 @@ void Director::start() {
         const bool reads = progress.phase == LoadProgress::Phase::reading;
         tell_progress(reads ? "reading" : "handing to the GPs", progress.done, progress.total);
     };
+    session_->tell_pictures = [this](int done, int total) {
+        if (!is_restarting_) {
+            tell_progress(fmt::format("picture {} of {},", done, total), done, total);
+        }
+    };
 }
 
 /// Takes the viewers' messages also while the session waits for nodes: a node may be slow or stuck.
