@@ -11,7 +11,7 @@ import {deviceAxes, turnOfDevice} from '../../host/serve/page/picture/parallax.j
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
   from '../../host/serve/page/picture/projection.js';
 import {composedSize, partsOf} from '../../host/serve/page/picture/stereo.js';
-import {wrapped} from '../../host/serve/page/picture/svg_paint.js';
+import {wrapped} from '../../host/serve/page/elements/legend.js';
 import {beyond} from '../../host/serve/page/slices/slice_words.js';
 import {placeWarning} from '../../host/serve/page/panel/volume_words.js';
 import {Selection} from '../../host/serve/page/state/selection.js';

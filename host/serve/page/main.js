@@ -23,6 +23,7 @@ import {toggleFullScreen} from './shell/view_tools.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
 import {Measures} from './panel/measures.js';
 import {OneHistory} from './panel/one_history.js';
+import {Views} from './panel/views.js';
 import {Layout} from './state/layout.js';
 import {Modes} from './state/modes.js';
 import {PageSession} from './state/page_session.js';
@@ -52,7 +53,8 @@ function start() {
   /** @type {import('./panel/app.js').App} */
   const app = {connection, store, picture, modes: new Modes(), toasts,
     selection: new Selection(), session: new PageSession(), measures, grabs: new Grabs(),
-    history: new OneHistory(connection, store, measures), layout: new Layout()};
+    history: new OneHistory(connection, store, measures), layout: new Layout(),
+    views: new Views()};
   app.session.add('layout', {save: () => app.layout.now,
     restore: saved => app.layout.restore(saved)});
   window.pxpl5 = measure(connection, store, picture);

@@ -22,8 +22,15 @@ export function fitted(canvas) {
   const context = contextOf(canvas);
   context.setTransform(scale, 0, 0, scale, 0, 0);
   context.clearRect(0, 0, width, height);
-  const unit = parseFloat(getComputedStyle(canvas).fontSize) / BASE_FONT_PX;
-  return {context, width, height, unit};
+  return {context, width, height, unit: unitOf(canvas)};
+}
+
+/**
+ * The scale of text and lines, relative to a small screen.
+ * @param {Element} element
+ */
+export function unitOf(element) {
+  return parseFloat(getComputedStyle(element).fontSize) / BASE_FONT_PX;
 }
 
 /**
@@ -36,6 +43,20 @@ export function contextOf(canvas) {
     throw new Error('this browser has no 2D canvas');
   }
   return context;
+}
+
+/**
+ * @param {HTMLCanvasElement} canvas
+ * @returns {Promise<Blob>}
+ * @throws {Error} if the browser cannot write so large a picture
+ */
+export async function pngOf(canvas) {
+  const written = await new Promise(take => canvas.toBlob(take));
+  if (!written) {
+    throw new Error(`The browser cannot write a picture of ${canvas.width} x ${canvas.height} `
+      + 'pixels. Choose a smaller size.');
+  }
+  return written;
 }
 
 /**

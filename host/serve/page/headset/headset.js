@@ -109,7 +109,7 @@ export class Headset {
     this.mirror_.prepend(view);
     const worn = new Worn(this.app_, canvas, this.figures_);
     this.session_ = session;
-    this.app_.picture.isWorn = true;
+    this.app_.picture.refresh.isWorn = true;
     let why = '';
     const show = () => {
       this.figures_.state = session.visibilityState;
@@ -118,7 +118,7 @@ export class Headset {
     session.addEventListener('visibilitychange', show);
     session.addEventListener('end', () => {
       this.session_ = null;
-      this.app_.picture.isWorn = false;
+      this.app_.picture.refresh.isWorn = false;
       this.figures_.state = 'off';
       this.mirror_.hidden = true;
       this.button.setAttribute('aria-pressed', 'false');

@@ -26,6 +26,7 @@
  * @property {import('../picture/grabs.js').Grabs} grabs
  * @property {import('../state/layout.js').Layout} layout
  * @property {import('./one_history.js').OneHistory} history
+ * @property {import('./views.js').Views} views
  */
 
 export {};

@@ -20,12 +20,13 @@ import {partsOf, stereoOf} from './stereo.js';
  * The eyes from left to right. Alternate rows belong to both eyes, which marks cannot: there a mark
  * is drawn once, as the camera between the eyes sees it.
  * @param {import('../link/vocabulary.js').CameraState} camera  Between the eyes.
+ * @param {number[]} size  Of the picture of one eye, pixels.
  * @param {State} state
  * @param {number} width   Of the picture, places.
  * @param {number} height
  * @returns {Eye[]}
  */
-export function eyesOf(camera, state, width, height) {
+export function eyesOf(camera, size, state, width, height) {
   const eye = (/** @type {Eye['name']} */ name, /** @type {number[]} */ clip,
     /** @type {number} */ left, /** @type {number} */ across) => ({name, left, width: across,
     project: (/** @type {Triple} */ p_mm) => {
@@ -35,7 +36,7 @@ export function eyesOf(camera, state, width, height) {
   if (state.stereo === 'off' || state.stereo === 'rows') {
     return [eye('middle', camera.patient_to_clip, 0, width)];
   }
-  const cameras = camerasAt(camera, camera, state.size[0] / state.size[1], stereoOf(state));
+  const cameras = camerasAt(camera, camera, size[0] / size[1], stereoOf(state));
   return partsOf(state.stereo).flatMap(part => part.eyes.map(index =>
     eye(index === 0 ? 'left' : 'right', cameras[index].patient_to_clip, part.left * width,
       part.width * width)));

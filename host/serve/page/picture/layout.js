@@ -23,3 +23,23 @@ export function placed(box, [width, height], areRows) {
   return {width: across, height: down, left: offset(box.left, box.width - across),
     top: offset(box.top, box.height - down), isCut: areRows && fit < sharp};
 }
+
+/**
+ * Gives a panel the shape of a picture while `act` runs, at least as large as it was.
+ * @param {number[]} pixels        Width and height of the picture.
+ * @param {HTMLElement} panel
+ * @param {() => void} act
+ * @param {() => void} then        Called afterwards in any case, in the former shape.
+ */
+export function inShapeOf([width, height], panel, act, then) {
+  const box = panel.getBoundingClientRect();
+  const scale = Math.min(width / box.width, height / box.height);
+  try {
+    Object.assign(panel.style,
+      {flex: 'none', width: `${width / scale}px`, height: `${height / scale}px`});
+    act();
+  } finally {
+    Object.assign(panel.style, {flex: '', width: '', height: ''});
+    then();
+  }
+}

@@ -1,23 +1,23 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
 import {bitmapOf, bitmapOfFile, paintFrame} from './bitmaps.js';
+import {cameraAt} from './camera.js';
+import {Cameras} from './cameras.js';
 import {eyesOf} from './eyes.js';
-import {placed} from './layout.js';
+import {inShapeOf, placed} from './layout.js';
 import {marked} from './marked.js';
-import {composedSize, partsOf, stereoOf} from './stereo.js';
+import {Refresh} from './refresh.js';
+import {composedSize, partsOf} from './stereo.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
-/** @typedef {import('./stereo.js').Stereo} Stereo */
 /**
  * A frame, and its picture if it is a video frame.
  * @typedef {{frame: Frame, video: Promise<VideoFrame | null> | null}} Waiting
  */
-
-const CAMERAS_KEPT = 64;
 
 /**
  * Shows the newest frame only. One frame is being decoded and the newest frame waits. Other frames
@@ -67,16 +67,15 @@ export class PictureView {
     this.video = null;
     /** @type {FrameHeader | null} */
     this.header = null;
-    /** @private @type {{revision: number, camera: CameraState, stereo: Stereo}[]} */
-    this.cameras_ = [];
+    /** @private */
+    this.cameras_ = new Cameras();
     /** @private @type {Waiting | null} */
     this.next_ = null;
     /** @private */
     this.decoding_ = false;
-    /** @private */
-    this.isWorn_ = false;
-    /** @private Ends the wait for a screen refresh. */
-    this.wake_ = () => {};
+    this.refresh = new Refresh();
+    /** @private The size that is laid out, if not the state's. @type {number[] | null} */
+    this.asIf_ = null;
     /** @private @type {((header: FrameHeader, at: number) => void)[]} */
     this.shownActs_ = [];
     /** @private @type {(() => void)[]} */
@@ -91,14 +90,12 @@ export class PictureView {
     connection.on('lost', () => {
       this.drop_(this.next_);
       this.next_ = null;
-      this.cameras_ = [];
+      this.cameras_.forget();
       this.leastRevision_ = 0;  // A restarted server begins again at 1.
     });
     store.subscribe(['camera', 'size', 'volume', 'stereo', 'stereo_separation_mm',
       'stereo_convergence_mm'], state => {
-      this.cameras_.push({revision: state.revision, camera: state.camera,
-        stereo: stereoOf(state)});
-      this.cameras_.splice(0, this.cameras_.length - CAMERAS_KEPT);
+      this.cameras_.add(state);
       this.layOut_();
       this.changed_();
     });
@@ -144,7 +141,7 @@ export class PictureView {
 
   /** Width and height in pixels. @private */
   pixels_() {
-    return this.wholeSize(this.store_.state?.size ?? [1, 1]);
+    return this.wholeSize(this.asIf_ ?? this.store_.state?.size ?? [1, 1]);
   }
 
   /**
@@ -185,12 +182,12 @@ export class PictureView {
   }
 
   /**
-   * The place of a pixel's center; null while the picture is shown from another viewpoint.
+   * The place of a pixel's center; null while the screen shows another picture.
    * @param {number} x
    * @param {number} y
    */
   placeOfPixel(x, y) {
-    if (this.warp?.figures.warped) {
+    if (this.warp?.figures.warped || this.asIf_) {
       return null;
     }
     const [width, height] = this.pixels_();
@@ -215,16 +212,38 @@ export class PictureView {
    */
   eyes() {
     const state = this.store_.state;
-    return this.camera && state ? eyesOf(this.camera, state, this.width, this.height) : [];
+    return this.camera && state
+      ? eyesOf(this.camera, this.asIf_ ?? state.size, state, this.width, this.height) : [];
   }
 
   /**
-   * A picture of the same proportions with the marks that are on the screen, see marked().
+   * Lays out what is over the picture as for a picture of another size, of the view of the state,
+   * while `act` runs. The screen shows nothing of it.
+   * @param {number[]} eye  Size of one eye's picture.
+   * @param {() => void} act
+   */
+  layOutAs(eye, act) {
+    const {state} = this.store_, before = this.camera;
+    const show = (/** @type {number[] | null} */ asIf,
+      /** @type {CameraState | null} */ camera) => {
+      this.asIf_ = asIf;
+      this.layOut_();
+      this.camera = camera;
+      this.changed_();
+    };
+    inShapeOf(this.wholeSize(eye), this.stage, () => {
+      show(eye, state && cameraAt(state.camera, state.camera, eye[0] / eye[1]));
+      act();
+    }, () => show(null, before));
+  }
+
+  /**
+   * The picture of a file with the marks that are on the screen, see marked().
    * @param {Blob} file
-   * @param {{marks: boolean, legend: LegendLine[]}} wish
+   * @param {import('./marked.js').Wish} wish
    */
   marked(file, wish) {
-    return marked(file, wish, this, this.canvas_);
+    return marked(file, wish, this, this.canvas_, this.pixels_());
   }
 
   /**
@@ -275,23 +294,6 @@ export class PictureView {
   }
 
   /**
-   * Whether a headset is worn: the window may have no screen refresh then.
-   * @param {boolean} isWorn
-   */
-  set isWorn(isWorn) {
-    this.isWorn_ = isWorn;
-    this.wake_();
-  }
-
-  /** Waits for the next screen refresh, if there may be one. @private */
-  refreshed_() {
-    return this.isWorn_ ? Promise.resolve() : new Promise(wake => {
-      this.wake_ = () => wake(0);
-      requestAnimationFrame(this.wake_);
-    });
-  }
-
-  /**
    * @private
    * @param {Frame} frame
    * @param {Waiting['video']} video
@@ -305,7 +307,7 @@ export class PictureView {
       return;
     }
     try {
-      await this.refreshed_();
+      await this.refresh.next();
       if (header.revision >= this.leastRevision_) {
         this.draw_(header, bitmap, leans);
       }
@@ -321,10 +323,7 @@ export class PictureView {
    * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
   draw_(header, bitmap, leans) {
-    const known = this.cameras_.filter(each => each.revision <= header.revision).at(-1);
-    const {state} = this.store_, camera = known?.camera ?? state?.camera ?? null;
-    const stereo = known?.stereo
-      ?? (state ? stereoOf(state) : {mode: 'off', separation_mm: 0, convergence_mm: 0});
+    const {camera, stereo} = this.cameras_.of(header.revision, this.store_.state);
     // Layers of the picture at rest are for warped pictures only.
     if (!header.rests && this.header?.rests && header.revision === this.header.revision) {
       this.warp?.take(header, camera, stereo, bitmap, leans);

@@ -1,7 +1,8 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
 import {styleColor} from '../elements/canvas.js';
 import {significant} from '../elements/numbers.js';
-import {boxAt, pixelAt} from './slice_pixels.js';
+import {paintMarks} from './mark_paint.js';
+import {boxAt, pixelAt, placedIn} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Placed} Placed */
@@ -133,4 +134,43 @@ export function paintLetters({context, slice: {letters, slab}, width, height, un
     context.strokeText(letter, x, y);
     context.fillText(letter, x, y);
   }
+}
+
+/**
+ * What a view shows.
+ * @typedef {object} Shown
+ * @property {HTMLCanvasElement} canvas     On the screen, for colors of the style sheet.
+ * @property {string} plane
+ * @property {Slice} slice
+ * @property {Vector} size                  Of the volume, voxels.
+ * @property {HTMLCanvasElement} image      The values as colors, a pixel each.
+ * @property {import('./slice_view.js').Look} look
+ * @property {import('./slice_zoom.js').Zoom} zoom
+ * @property {Vector | null} crosshair
+ * @property {import('./slice_measure.js').Mark[]} marks
+ */
+
+/**
+ * Paints a slice as a view shows it.
+ * @param {Shown} shown
+ * @param {Pick<Paper, 'context' | 'width' | 'height' | 'unit'>} where  In units of the context.
+ * @param {boolean} hasMarks  With crosshair, measurements and letters.
+ * @returns {ReturnType<typeof paintMarks>}  Where the labels of the measurements are.
+ */
+export function paintSlice(shown, where, hasMarks) {
+  const {canvas, slice, size, image, look, zoom, crosshair, marks} = shown;
+  const paper = {canvas, slice, place: placedIn(slice, where.width, where.height, zoom), ...where};
+  paintImage(paper, image, look.smooth);
+  if (look.lines !== 'off') {
+    paintContours(paper, look.lines);
+  }
+  if (!hasMarks) {
+    return new Map();
+  }
+  if (crosshair) {
+    paintCrosshair(paper, size, crosshair);
+  }
+  const labels = paintMarks(paper, size, marks);
+  paintLetters(paper, zoom.times);
+  return labels;
 }

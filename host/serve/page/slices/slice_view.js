@@ -6,7 +6,7 @@ import {editNote} from '../panel/note_editor.js';
 import {paintMarks} from './mark_paint.js';
 import {isOn, nearestEnd, pointsMoved} from './slice_ends.js';
 import {SliceInput} from './slice_input.js';
-import {paintContours, paintCrosshair, paintImage, paintLetters} from './slice_paint.js';
+import {paintSlice} from './slice_paint.js';
 import {boxAt, isInside, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt} from './slice_pixels.js';
 import {USUAL} from './slice_settings.js';
 import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js';
@@ -333,22 +333,17 @@ export class SliceView {
 
   /** @private */
   draw_() {
-    const {context, width, height, unit} = fitted(this.canvas);
-    const slice = this.slice_;
-    if (!slice || width === 0) {
-      return;
+    const where = fitted(this.canvas), {all} = this;
+    if (all && where.width > 0) {
+      this.labels = paintSlice(all, where, true);
     }
-    const place = placedIn(slice, width, height, this.zoom_);
-    const paper = {canvas: this.canvas, context, slice, place, width, height, unit};
-    paintImage(paper, this.image_, this.look_.smooth);
-    if (this.look_.lines !== 'off') {
-      paintContours(paper, this.look_.lines);
-    }
-    if (this.crosshair_) {
-      paintCrosshair(paper, this.size_, this.crosshair_);
-    }
-    this.labels = paintMarks(paper, this.size_, this.marks_);
-    paintLetters(paper, this.zoom_.times);
+  }
+
+  /** @returns {import('./slice_paint.js').Shown | null}  Null without a slice. */
+  get all() {
+    return this.slice_ && {canvas: this.canvas, plane: this.plane_, slice: this.slice_,
+      size: this.size_, zoom: this.zoom_, image: this.image_, look: this.look_,
+      crosshair: this.crosshair_, marks: this.marks_};
   }
 
   /**

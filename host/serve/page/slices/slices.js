@@ -5,6 +5,7 @@ import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {SliceMeasure} from './slice_measure.js';
 import {SlicePlace} from './slice_place.js';
+import {pictureOf, shownSize} from './slice_picture.js';
 import {planesOf} from './slice_planes.js';
 import {SliceReadout} from './slice_readout.js';
 import {SliceSettings} from './slice_settings.js';
@@ -150,6 +151,8 @@ class SlicesPanel {
       },
       failed: sentence => this.message.fail(sentence),
     });
+    this.app.views.add({title: `${PLANES[number]} slice`, size: () => shownSize(view.all),
+      painted: painting => pictureOf(view.all, painting)});
     const slider = h('input', {type: 'range', min: 0, max: 0, value: 0,
       'aria-label': `${PLANES[number]} slice`, 'data-testid': `slice-index-${number}`,
       oninput: () => this.step(number, Number(slider.value) - Math.round(

@@ -1,24 +1,20 @@
 // Saves a mesh, a picture or the session, and reopens a session.
 import {h} from '../elements/dom.js';
-import {short} from '../elements/numbers.js';
 import {saveAs, saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
-import {placeWarning} from '../panel/volume_words.js';
+import {filmPart} from './save_film.js';
+import {baseName, choice} from './save_parts.js';
+import {picturePart} from './save_picture.js';
 import {sessionText} from './session_file.js';
 import {openSession, SESSION_ENDING} from './upload.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {import('../link/types.js').LegendLine} LegendLine */
 
 const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'STL (.stl)'],
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
 const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', '50 %'],
   ['0.25', '25 %'], ['0.1', '10 %']]);
-
-const SAMPLES = [16, 4, 1];     // Per pixel, the best first.
-const MOST_PX = 4096;           // A side of a picture that the command `snapshot` accepts.
-const NO_ROOM = /are summed in/;  // A Renderer's memory is too small for the samples.
 
 /**
  * Exports a mesh and saves it. Its certificate, and the colors of an OBJ, are links in the note:
@@ -44,24 +40,17 @@ async function saveMesh(app, name, options) {
 }
 
 /**
- * The volume's name without characters that a file name cannot have.
- * @param {App} app
- */
-function baseName({store}) {
-  return (store.state?.volume?.name ?? 'pxpl5').replace(/[^\w.-]+/g, '-');
-}
-
-/**
  * @param {App} app
  * @returns {() => void} shows the dialog
  */
 export function createSaveDialog(app) {
   const dialog = h('dialog', {id: 'save', 'aria-labelledby': 'save-title', 'data-testid': 'save'});
+  const picture = picturePart(app, dialog), film = filmPart(app, dialog);
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, 'Save'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
         onclick: () => dialog.close()}, '×')),
-    meshPart(app, dialog), picturePart(app, dialog), sessionPart(app, dialog));
+    picture.element, film.element, meshPart(app, dialog), sessionPart(app, dialog));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
       dialog.close();
@@ -70,19 +59,11 @@ export function createSaveDialog(app) {
   document.body.append(dialog);
   return () => {
     if (!app.connection.watches) {
+      picture.refresh();
+      film.refresh();
       dialog.showModal();
     }
   };
-}
-
-/**
- * @param {readonly (readonly [string, string])[]} choices
- * @param {string} label
- * @param {string} testid
- */
-function choice(choices, label, testid) {
-  return h('select', {'aria-label': label, 'data-testid': testid},
-    ...choices.map(([value, text]) => h('option', {value}, text)));
 }
 
 /**
@@ -105,115 +86,6 @@ function meshPart(app, dialog) {
         void saveMesh(app, `${baseName(app)}.${format.value}`, ` axes=${axes.value}`
           + (keep.value ? ` keep=${keep.value}` : '') + (cap.checked ? ' cap=yes' : ''));
       }}, 'Save mesh')));
-}
-
-/**
- * Draws the picture on the machine, with as many samples per pixel as there is memory for.
- * @param {App} app
- * @param {string} name
- * @param {string} size  WIDTHxHEIGHT, of one eye's picture.
- * @returns {Promise<{href: string, samples: number} | null>}  null after an error, which is shown.
- */
-async function drawn(app, name, size) {
-  let text = '';
-  for (const samples of SAMPLES) {
-    const {ok, result, error = ''} = await app.connection.do(`snapshot download:${word(name)} `
-      + `size=${size} samples=${samples} overlay=off`, {quiet: true});
-    if (ok && result?.download) {
-      return {href: address(result.download).href, samples};
-    }
-    text = error;
-    if (!NO_ROOM.test(error)) {
-      break;
-    }
-  }
-  app.toasts.error(text);
-  return null;
-}
-
-/**
- * The size of a saved picture: all sides grow by the same factor, up to MOST_PX.
- * @param {number[]} size  Of the picture on the screen.
- * @param {number} factor
- */
-function enlarged(size, factor) {
-  const least = Math.min(factor, MOST_PX / Math.max(...size));
-  return size.map(side => Math.round(side * least));
-}
-
-/**
- * @param {App} app
- * @param {HTMLDialogElement} dialog
- */
-function picturePart(app, dialog) {
-  const format = choice([['png', 'PNG'], ['tif', 'TIFF, no marks'], ['exr', 'OpenEXR, no marks']],
-    'Format', 'save-picture-format');
-  const scale = choice([['1', 'as on the screen'], ['2', 'twice'], ['3', '3 times'],
-    ['4', '4 times']], 'Size', 'save-picture-size');
-  const mark = (/** @type {string} */ testid) =>
-    h('input', {type: 'checkbox', checked: true, 'data-testid': testid});
-  const marks = mark('save-overlay'), legend = mark('save-legend');
-  const save = async () => {
-    const name = `${baseName(app)}.${format.value}`;
-    const eye = enlarged(app.store.state?.size ?? [1, 1], Number(scale.value));
-    const [width, height] = app.picture.wholeSize(eye);
-    dialog.close();
-    const picture = await drawn(app, name, eye.join('x'));
-    if (!picture) {
-      return;
-    }
-    const {href, samples} = picture;
-    if (format.value !== 'png') {
-      saveAs(href, name);
-    } else {
-      const drawing = await (await fetch(href)).blob();
-      saveBlob(await app.picture.marked(drawing,
-        {marks: marks.checked, legend: [...marks.checked || legend.checked ? warningOf(app) : [],
-          ...legend.checked ? legendOf(app) : []]}), name);
-    }
-    app.toasts.info(`Saved ${name}, ${width} × ${height} pixels, ${samples} `
-      + `sample${samples === 1 ? '' : 's'} per pixel.${fewSamples(app, samples)}`);
-  };
-  return h('section', {}, h('h3', {}, 'Picture'),
-    h('div', {class: 'row wrap'}, format, scale,
-      h('label', {class: 'row'}, marks, 'letters, scale, measurements'),
-      h('label', {class: 'row'}, legend, 'legend'), h('span', {class: 'grow'}),
-      h('button', {class: 'primary', 'data-testid': 'snapshot', onclick: () => void save()},
-        'Save picture')));
-}
-
-/**
- * Reports what a picture lacks that is drawn with fewer samples than the screen's.
- * @param {App} app
- * @param {number} samples  Per pixel.
- */
-function fewSamples({store}, samples) {
-  const isTransparent = store.state?.surfaces.some(({visible, opacity}) => visible && opacity < 1);
-  return samples > 1 || !isTransparent ? ''
-    : ' The Renderers have no memory for more samples at this size: transparent surfaces look '
-      + 'like a grid. Choose a smaller size.';
-}
-
-/**
- * @param {App} app
- * @returns {LegendLine[]}
- */
-function warningOf({store}) {
-  const text = placeWarning(store.state?.volume ?? null);
-  return text === '' ? [] : [{color: '', text}];
-}
-
-/**
- * The volume's name and the visible surfaces.
- * @param {App} app
- * @returns {LegendLine[]}
- */
-function legendOf({store}) {
-  const {volume, archive, surfaces = []} = store.state ?? {};
-  const unit = volume?.unit ?? '';
-  return [{color: '', text: volume?.name ?? archive ?? ''},
-    ...surfaces.filter(({visible}) => visible).map(({color, name, isovalue}) =>
-      ({color, text: `${name}  ${short(isovalue)} ${unit}`.trim()}))];
 }
 
 /**

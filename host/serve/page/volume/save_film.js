@@ -1,0 +1,144 @@
+// The part of the dialog "Save" that makes a film: a turntable, or a sweep of an isovalue.
+import {h} from '../elements/dom.js';
+import {counted, short} from '../elements/numbers.js';
+import {saveAs} from '../elements/save_file.js';
+import {plain, word} from '../link/lines.js';
+import {address} from '../link/token.js';
+import {FREE, attempt, baseName, choice, eyeSize, numberInput, sizeChoice, wrongLine}
+  from './save_parts.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
+
+const KINDS = /** @type {const} */ ([['turntable', 'Turntable'],
+  ['sweep', 'Sweep of an isovalue']]);
+const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['1280x720', '1280 × 720'],
+  ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'], [FREE, 'other size …']]);
+const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
+  ['1', '1 sample']]);
+const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
+  ['black', 'black ground']]);
+const MOST_PICTURES = 10000;
+const MOST_DEGREES = 36000;
+const MOST_VALUE = 1e9;
+const WIDTH = 0.25;     // A sweep goes so far to both sides at first, as a share of all values.
+
+/**
+ * @param {App} app
+ * @param {HTMLDialogElement} dialog
+ */
+export function filmPart(app, dialog) {
+  const part = new FilmPart(app, dialog);
+  return {element: part.element, refresh: () => part.refresh()};
+}
+
+class FilmPart {
+  /**
+   * @param {App} app
+   * @param {HTMLDialogElement} dialog
+   */
+  constructor(app, dialog) {
+    this.app = app;
+    this.dialog = dialog;
+    this.kind = choice(KINDS, 'Kind of film', 'film-kind');
+    this.size = sizeChoice(SIZES, 'film-size');
+    this.samples = choice(SAMPLES, 'Samples per pixel of the film', 'film-samples');
+    this.ground = choice(GROUNDS, 'Ground of the film', 'film-ground');
+    this.surface = choice([], 'Surface', 'film-surface');
+    this.degrees = numberInput('Degrees', {value: 360, low: -MOST_DEGREES, high: MOST_DEGREES,
+      isWhole: false}, 'film-degrees');
+    const value = {value: 0, low: -MOST_VALUE, high: MOST_VALUE, isWhole: false};
+    this.from = numberInput('First isovalue', value, 'film-from');
+    this.to = numberInput('Last isovalue', value, 'film-to');
+    this.pictures = numberInput('Pictures', {value: 100, low: 2, high: MOST_PICTURES},
+      'film-pictures');
+    this.rate = numberInput('Pictures per second', {value: 25, low: 1, high: 60, isWhole: false},
+      'film-rate');
+    this.wrong = wrongLine('film-wrong');
+    this.turn = h('span', {class: 'row'}, 'over', this.degrees.input, 'degrees');
+    this.range = h('span', {class: 'row wrap', hidden: true}, 'of', this.surface, 'from',
+      this.from.input, 'to', this.to.input);
+    this.duration = h('span', {class: 'muted', 'data-testid': 'film-duration'});
+    this.element = h('section', {}, h('h3', {}, 'Film'),
+      h('div', {class: 'row wrap'}, this.kind, this.turn, this.range),
+      h('div', {class: 'row wrap'}, this.size.list, this.size.free, this.samples, this.ground),
+      h('div', {class: 'row wrap'}, this.pictures.input, 'pictures,', this.rate.input,
+        'per second', this.duration, h('span', {class: 'grow'}),
+        h('button', {class: 'primary', 'data-testid': 'film-go',
+          onclick: () => void attempt(app, dialog, this.wrong, () => this.make())}, 'Make film')),
+      this.wrong);
+    this.kind.addEventListener('change', () => this.show());
+    this.surface.addEventListener('change', () => this.suggest());
+    this.element.addEventListener('input', () => {
+      this.wrong.hidden = true;
+      this.tellDuration();
+    });
+    this.tellDuration();
+  }
+
+  /** Offers the surfaces of the scene. */
+  refresh() {
+    const names = this.offered().map(({name}) => name), chosen = this.surface.value;
+    this.surface.replaceChildren(...names.map(name => h('option', {value: name}, name)));
+    this.wrong.hidden = true;
+    if (names.includes(chosen)) {
+      this.surface.value = chosen;
+    } else {
+      this.surface.value = names.includes(this.app.selection.name) ? this.app.selection.name
+        : names[0] ?? '';
+      this.suggest();
+    }
+    this.show();
+  }
+
+  /** The surfaces that a sweep can change: of a volume, and no part of a comparison. */
+  offered() {
+    const {state} = this.app.store;
+    return (state?.volume ? state.surfaces : []).filter(({compared_with}) => compared_with === '');
+  }
+
+  show() {
+    const isSweep = this.kind.value === 'sweep';
+    this.turn.hidden = isSweep;
+    this.range.hidden = !isSweep;
+  }
+
+  /** Suggests a range around the isovalue, within the values of the volume. */
+  suggest() {
+    const {volume} = this.app.store.state ?? {};
+    const surface = this.offered().find(({name}) => name === this.surface.value);
+    if (!volume || !surface) {
+      return;
+    }
+    const reach = (volume.maximum - volume.minimum) * WIDTH;
+    this.from.input.value = plain(Math.max(volume.minimum, surface.isovalue - reach));
+    this.to.input.value = plain(Math.min(volume.maximum, surface.isovalue + reach));
+  }
+
+  tellDuration() {
+    const seconds = Number(this.pictures.input.value) / Number(this.rate.input.value);
+    this.duration.textContent = Number.isFinite(seconds) ? `${short(seconds)} s` : '';
+  }
+
+  /** Makes the film, and closes the dialog as soon as all choices are right. */
+  async make() {
+    const {app} = this, isSweep = this.kind.value === 'sweep';
+    if (isSweep && this.surface.value === '') {
+      throw new Error('There is no surface to sweep. Add a surface first.');
+    }
+    const name = `${baseName(app)}-${this.kind.value}.webm`, pictures = this.pictures.value();
+    const what = isSweep ? `sweep ${word(this.surface.value)} ${this.from.value()} `
+      + `${this.to.value()} ${pictures} download:${word(name)}`
+      : `orbit ${pictures} download:${word(name)} degrees=${this.degrees.value()}`;
+    const line = `${what} rate=${this.rate.value()} size=${eyeSize(app, this.size).join('x')} `
+      + `samples=${this.samples.value} ground=${this.ground.value}`;
+    this.dialog.close();
+    const {ok, result, error} = await app.connection.do(line, {quiet: true});
+    if (!ok || !result?.download) {
+      throw new Error(error ?? 'The film was not made.');
+    }
+    saveAs(address(result.download).href, name);
+    app.toasts.info(`Saved ${name}, ${counted(pictures, 'picture')}, `
+      + `${short(result.duration_s)} s.`);
+  }
+}

@@ -1,0 +1,208 @@
+// The part of the dialog "Save" that saves or copies a picture: of the surfaces, or of a slice.
+import {contextOf, pngOf} from '../elements/canvas.js';
+import {h} from '../elements/dom.js';
+import {paintLegend} from '../elements/legend.js';
+import {short} from '../elements/numbers.js';
+import {saveBlob} from '../elements/save_file.js';
+import {word} from '../link/lines.js';
+import {address} from '../link/token.js';
+import {placeWarning} from '../panel/volume_words.js';
+import {FREE, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine} from './save_parts.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/types.js').LegendLine} LegendLine */
+/** @typedef {{blob: Blob, name: string, told: string}} Made  told: size and samples. */
+
+const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['2', 'twice'], ['3', '3 times'],
+  ['4', '4 times'], ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'],
+  [FREE, 'other size …']]);
+const FORMATS = /** @type {const} */ ([['png', 'PNG'], ['tif', 'TIFF, no marks'],
+  ['exr', 'OpenEXR, no marks']]);
+const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
+  ['1', '1 sample']]);
+const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
+  ['transparent', 'transparent ground']]);
+const PNG = 'image/png';
+const SURFACES = 'Surfaces';
+const NO_CLIPBOARD = 'This browser copies pictures from pages of https:// or localhost only';
+
+/**
+ * @param {App} app
+ * @param {HTMLDialogElement} dialog
+ */
+export function picturePart(app, dialog) {
+  const part = new PicturePart(app, dialog);
+  return {element: part.element, refresh: () => part.refresh()};
+}
+
+class PicturePart {
+  /**
+   * @param {App} app
+   * @param {HTMLDialogElement} dialog
+   */
+  constructor(app, dialog) {
+    this.app = app;
+    this.dialog = dialog;
+    this.what = choice([], 'What to save', 'save-picture-what');
+    this.size = sizeChoice(SIZES, 'save-picture-size');
+    this.format = choice(FORMATS, 'Format', 'save-picture-format');
+    this.samples = choice(SAMPLES, 'Samples per pixel', 'save-picture-samples');
+    this.ground = choice(GROUNDS, 'Ground', 'save-picture-ground');
+    const mark = (/** @type {string} */ testid) =>
+      h('input', {type: 'checkbox', checked: true, 'data-testid': testid});
+    this.marks = mark('save-overlay');
+    this.legend = mark('save-legend');
+    this.wrong = wrongLine('save-picture-wrong');
+    const hasClipboard = 'ClipboardItem' in globalThis && Boolean(navigator.clipboard?.write);
+    const copy = h('button', {'data-testid': 'picture-copy', disabled: !hasClipboard,
+      title: hasClipboard ? 'Copies the picture as PNG' : NO_CLIPBOARD,
+      onclick: () => void this.copy()}, 'Copy');
+    this.what.addEventListener('change', () => this.show());
+    for (const each of [this.what, this.format, this.size.list]) {
+      each.addEventListener('change', () => { this.wrong.hidden = true; });
+    }
+    this.element = h('section', {}, h('h3', {}, 'Picture'),
+      h('div', {class: 'row wrap'}, this.what, this.size.list, this.size.free),
+      h('div', {class: 'row wrap'}, this.format, this.samples, this.ground),
+      h('div', {class: 'row wrap'},
+        h('label', {class: 'row'}, this.marks, 'letters, scale, measurements'),
+        h('label', {class: 'row'}, this.legend, 'legend'), h('span', {class: 'grow'}), copy,
+        h('button', {class: 'primary', 'data-testid': 'snapshot',
+          onclick: () => void this.save()}, 'Save picture')),
+      this.wrong);
+  }
+
+  /** Offers the views that are shown now. */
+  refresh() {
+    const chosen = this.what.value;
+    const views = this.app.views.list.filter(view => view.size() !== null);
+    this.what.replaceChildren(...[SURFACES, ...views.map(({title}) => title)].map(title =>
+      h('option', {value: title}, title)));
+    this.what.value = views.some(({title}) => title === chosen) ? chosen : SURFACES;
+    this.wrong.hidden = true;
+    this.show();
+  }
+
+  /** A slice has no samples, and the page writes it as PNG. */
+  show() {
+    const isSlice = this.what.value !== SURFACES;
+    this.format.disabled = this.samples.disabled = isSlice;
+  }
+
+  /** The shown view that is chosen; nothing for the surfaces. */
+  get view() {
+    return this.app.views.list.find(({title}) => title === this.what.value);
+  }
+
+  async save() {
+    await attempt(this.app, this.dialog, this.wrong, async () => {
+      const {blob, name, told} = await this.made(this.format.value);
+      saveBlob(blob, name);
+      this.app.toasts.info(`Saved ${name}, ${told}.`);
+    });
+  }
+
+  async copy() {
+    await attempt(this.app, this.dialog, this.wrong, async () => {
+      const made = this.made('png');
+      // Browsers allow it only while they handle the click, so they get a promise.
+      await navigator.clipboard.write(
+        [new ClipboardItem({[PNG]: made.then(({blob}) => blob.slice(0, blob.size, PNG))})]);
+      this.app.toasts.info(`Copied the picture, ${(await made).told}.`);
+    });
+  }
+
+  /**
+   * Makes the picture, and closes the dialog as soon as all choices are right.
+   * @param {string} format
+   * @returns {Promise<Made>}
+   */
+  async made(format) {
+    if (this.view) {
+      return this.madeOf(this.view);
+    }
+    const eye = eyeSize(this.app, this.size), marks = this.marks.checked;
+    const legend = this.legendOf(null);
+    this.dialog.close();
+    const name = `${baseName(this.app)}.${format}`;
+    const drawing = await this.drawn(name, eye.join('x'));
+    const blob = format === 'png' && (marks || legend.length > 0)
+      ? await this.app.picture.marked(drawing, {eye, marks, legend,
+        isLight: this.ground.value === 'white' ? true : null})
+      : drawing;
+    const samples = Number(this.samples.value);
+    return {blob, name, told: `${sizeText(this.app.picture.wholeSize(eye))}, ${samples} `
+      + `sample${samples === 1 ? '' : 's'} per pixel`};
+  }
+
+  /**
+   * The picture of a slice, which the page paints itself.
+   * @param {import('../panel/views.js').View} view
+   * @returns {Promise<Made>}
+   */
+  async madeOf(view) {
+    const size = this.size.size(view.size() ?? [1, 1]);
+    this.dialog.close();
+    const painted = view.painted({size, marks: this.marks.checked,
+      ground: this.ground.value === 'shown' ? '' : this.ground.value});
+    paintLegend(contextOf(painted.canvas), this.app.picture.overlay, this.legendOf(painted),
+      painted.scale);
+    return {blob: await pngOf(painted.canvas), told: sizeText(size),
+      name: `${baseName(this.app)}-${view.title.split(' ')[0].toLowerCase()}.png`};
+  }
+
+  /**
+   * @param {import('../panel/views.js').Painted | null} slice  Null: the surfaces.
+   * @returns {LegendLine[]}
+   */
+  legendOf(slice) {
+    const {state} = this.app.store, hasLegend = this.legend.checked;
+    const warning = placeWarning(state?.volume ?? null);
+    return [
+      // The first line of a slice has the zoom.
+      ...slice && this.marks.checked ? [line(' ')] : [],
+      ...warning && (hasLegend || this.marks.checked) ? [line(warning)] : [],
+      ...hasLegend ? [line(state?.volume?.name ?? state?.archive ?? '')] : [],
+      ...hasLegend && slice ? [line(slice.caption)] : [],
+      ...hasLegend && (slice?.hasSurfaces ?? true) ? surfaceLines(state) : [],
+    ];
+  }
+
+  /**
+   * The machine's picture.
+   * @param {string} name
+   * @param {string} size  WIDTHxHEIGHT, of one eye's picture.
+   * @returns {Promise<Blob>}
+   * @throws {Error} with the server's sentence
+   */
+  async drawn(name, size) {
+    const {ok, result, error} = await this.app.connection.do(`snapshot download:${word(name)} `
+      + `size=${size} samples=${this.samples.value} overlay=off ground=${this.ground.value}`,
+    {quiet: true});
+    if (!ok || !result?.download) {
+      throw new Error(error ?? 'The picture was not drawn.');
+    }
+    return (await fetch(address(result.download).href)).blob();
+  }
+}
+
+/** @param {number[]} size */
+function sizeText([width, height]) {
+  return `${width} × ${height} pixels`;
+}
+
+/** @param {string} text */
+function line(text) {
+  return {color: '', text};
+}
+
+/**
+ * The visible surfaces.
+ * @param {import('../link/vocabulary.js').State | null} state
+ * @returns {LegendLine[]}
+ */
+function surfaceLines(state) {
+  const unit = state?.volume?.unit ?? '';
+  return (state?.surfaces ?? []).filter(({visible}) => visible).map(({color, name, isovalue}) =>
+    ({color, text: `${name}  ${short(isovalue)} ${unit}`.trim()}));
+}
