@@ -12,7 +12,7 @@
 
 namespace pxpl5::host::film {
 
-/// What writes a film.
+/// Encodes pictures and writes them into the file.
 class Film::Parts {
   public:
     Parts(const std::filesystem::path& target, const FilmForm& form)

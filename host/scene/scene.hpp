@@ -77,7 +77,7 @@ struct DetailChoice {
 
 /// The place of a picture that is a part of a larger one.
 struct PicturePart {
-    Size whole;             ///< Of the larger picture of one eye.
+    Size whole;             ///< The larger picture of one eye.
     int left = 0, top = 0;  ///< Pixels.
 };
 
