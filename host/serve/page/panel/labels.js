@@ -1,5 +1,5 @@
 // Where the texts of measurements stand: beside their lines, and not over each other or over ends.
-import {wrapped} from '../picture/svg_paint.js';
+import {wrapped} from '../elements/legend.js';
 import {isRegion} from './measures.js';
 
 /** @typedef {import('./measures.js').Kind} Kind */
