@@ -76,25 +76,25 @@ function answer() {
 }
 
 test('an answer\'s values and segments are what was sent', () => {
-  const slice = sliceOf('y', 3, answer());
+  const slice = sliceOf({axis: 'y', index: 3}, answer());
   assert.equal(slice.values[7], 2);
   assert.deepEqual([...slice.segments.subarray(4, 8)], [2, 0.5, 3, 2]);
 });
 
 test('an answer with too few bytes is refused with both counts', () => {
   const {json, bytes} = answer();
-  assert.throws(() => sliceOf('y', 3, {json, bytes: bytes.slice(0, 79)}),
+  assert.throws(() => sliceOf({axis: 'y', index: 3}, {json, bytes: bytes.slice(0, 79)}),
     /79 bytes came, its description needs 80/);
 });
 
 test('a pixel of a slice is a voxel, and back', () => {
-  const slice = sliceOf('y', 3, answer());
+  const slice = sliceOf({axis: 'y', index: 3}, answer());
   assert.deepEqual(voxelAt(slice, GRID.size, 2, 0), [2, 3, 3]);
   assert.deepEqual(pixelAt(slice, GRID.size, [2, 3, 3]), [2, 0]);
 });
 
 test('unevenly spaced rows keep their positions, with equal scales across and down', () => {
-  const slice = sliceOf('y', 3, answer());
+  const slice = sliceOf({axis: 'y', index: 3}, answer());
   const placed = placedIn(slice, 1000, 240);
   // 24 mm down: from 2 mm above the first row's middle to 2 below the last one's.
   assert.equal(placed.scale, 10);

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstring>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -13,6 +15,8 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
+#include "host/scene/oblique.hpp"
+#include "host/volume/reduced.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -124,12 +128,112 @@ std::optional<SlabWish> slab_of(const Json& ask) {
     return SlabWish{thickness_mm, static_cast<SlabKind>(kind - slab_kinds.begin())};
 }
 
+/// Adds contours to an answer: what the page draws them with to the JSON, pieces to the bytes.
+class ContourAppender {
+  public:
+    ContourAppender(Json& json, Answer& answer) : json_(json), answer_(answer) {
+        json_["contours"] = Json::array();
+    }
+    void add(const Surface& surface, const std::vector<ContourPiece>& pieces) {
+        const std::size_t count = pieces.size();
+        const bool fits = first_ + count <= max_pieces;
+        json_["contours"].push_back({{"surface", surface.name},
+                                     {"color", hex(surface.color)},
+                                     {"isovalue", surface.isovalue},
+                                     {"first", first_},
+                                     {"count", fits ? count : 0},
+                                     {"left_out", fits ? 0 : count}});
+        if (fits) {
+            append(answer_.bytes, pieces.data(), count);
+            first_ += count;
+        }
+    }
+
+  private:
+    Json& json_;
+    Answer& answer_;
+    std::size_t first_ = 0;
+};
+
+double real_of(const Json& ask, const char* key, double low, double high) {
+    const auto found = ask.find(key);
+    const bool is_number = found != ask.end() && found->is_number();
+    const double value = is_number ? found->get<double>() : 0;
+    if (!is_number || !(value >= low && value <= high)) {
+        refuse(fmt::format("ask: '{}' is {}; it must be a number from {} to {}", key,
+                           found == ask.end() ? "missing" : shown(*found), low, high));
+    }
+    return value;
+}
+
+glm::dvec3 vector_of(const Json& ask, const char* key) {
+    const auto found = ask.find(key);
+    const bool is_list = found != ask.end() && found->is_array() && found->size() == 3;
+    glm::dvec3 vector(0);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const double number = is_list && (*found)[k].is_number() ? (*found)[k].get<double>() : NAN;
+        if (!(std::abs(number) <= max_place_mm)) {
+            refuse(fmt::format("ask: '{}' is {}; it must be three numbers from {} to {}", key,
+                               found == ask.end() ? "missing" : shown(*found), -max_place_mm,
+                               max_place_mm));
+        }
+        vector[static_cast<int>(k)] = number;
+    }
+    return vector;
+}
+
+ObliquePlane plane_of(const Json& ask) {
+    constexpr std::int64_t most_px = 1024;
+    constexpr double tolerance = 1e-6, least_mm = 1e-3, most_mm = 1e3;
+    ObliquePlane plane;
+    plane.center_mm = vector_of(ask, "center_mm");
+    plane.right = vector_of(ask, "right");
+    plane.down = vector_of(ask, "down");
+    plane.width = static_cast<int>(whole_of(ask, "width", 2, most_px));
+    plane.height = static_cast<int>(whole_of(ask, "height", 2, most_px));
+    plane.pixel_mm = real_of(ask, "pixel_mm", least_mm, most_mm);
+    if (std::abs(glm::length(plane.right) - 1) > tolerance ||
+        std::abs(glm::length(plane.down) - 1) > tolerance ||
+        std::abs(glm::dot(plane.right, plane.down)) > tolerance) {
+        refuse(
+            fmt::format("ask: 'right' is {} and 'down' is {}; they must have the length 1 and "
+                        "be at a right angle",
+                        shown(ask["right"]), shown(ask["down"])));
+    }
+    return plane;
+}
+
+Answer answer_oblique(const Session& session, const Json& ask) {
+    const ObliquePlane plane = plane_of(ask);
+    const Volume& volume = session.volumes.volume();
+    require_all_voxels(volume, "an oblique slice");
+    const std::vector<float> values = oblique_values(volume, plane);
+    Answer answer;
+    append(answer.bytes, values.data(), values.size());
+    pad(answer.bytes);
+    Json json = json_of(oblique_frame(plane), Scalar::float32);
+    json["axes"] = nullptr;
+    json["flips"] = nullptr;
+    ContourAppender contours(json, answer);
+    for (const Surface& surface : session.scene.surfaces) {
+        if (surface.visible && surface.compared_with.empty()) {
+            contours.add(surface, oblique_contour(plane, values, surface.isovalue));
+        }
+    }
+    answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return answer;
+}
+
 Answer answer_slice(Session& session, const Json& ask) {
     const Volume& volume = session.volumes.volume();
-    const std::string name = text_of(ask, "axis", "\"x\", \"y\" or \"z\"");
+    constexpr const char* may_be = R"("x", "y", "z" or "oblique")";
+    const std::string name = text_of(ask, "axis", may_be);
+    if (name == "oblique") {
+        return answer_oblique(session, ask);
+    }
     const std::size_t axis = std::string_view("xyz").find(name);
     if (name.size() != 1 || axis == std::string_view::npos) {
-        refuse(fmt::format("ask: 'axis' is {}; it must be \"x\", \"y\" or \"z\"", shown(name)));
+        refuse(fmt::format("ask: 'axis' is {}; it must be {}", shown(name), may_be));
     }
     const std::array counts = {volume.nx, volume.ny, volume.nz};
     const auto index = whole_of(ask, "index", 0, counts[axis] - 1);
@@ -148,20 +252,9 @@ Answer answer_slice(Session& session, const Json& ask) {
                         {"slices", {slab.range.first, slab.range.last}},
                         {"type", enum_name(slice.type)}};
     }
-    json["contours"] = Json::array();
-    std::size_t first = 0;
+    ContourAppender contours(json, answer);
     for (const SurfaceContour& contour : contours_of(session.scene, slice)) {
-        const std::size_t count = contour.pieces.size();
-        const bool fits = first + count <= max_pieces;
-        json["contours"].push_back({{"surface", contour.surface->name},
-                                    {"color", hex(contour.surface->color)},
-                                    {"first", first},
-                                    {"count", fits ? count : 0},
-                                    {"left_out", fits ? 0 : count}});
-        if (fits) {
-            append(answer.bytes, contour.pieces.data(), count);
-            first += count;
-        }
+        contours.add(*contour.surface, contour.pieces);
     }
     if (wish) {
         append(answer.bytes, slice.values.data(), slice.values.size());

@@ -37,8 +37,9 @@ test('values have the deviation of a sample', () => {
 function slice(more = {}) {
   const bytes = new ArrayBuffer(64);
   new Int16Array(bytes).set(Array.from({length: 30}, (_, k) => k));
-  return sliceOf('z', 1, {json: {type: 'int16', width: 6, height: 5, spacing_mm: [2, 3],
-    letters: {}, axes: [0, 1, 2], flips: [false, false], contours: [], ...more}, bytes});
+  return sliceOf({axis: 'z', index: 1}, {json: {type: 'int16', width: 6, height: 5,
+    spacing_mm: [2, 3], letters: {}, axes: [0, 1, 2], flips: [false, false], contours: [],
+    ...more}, bytes});
 }
 
 test('a rectangle has the pixels whose middles are inside, and its own area', () => {

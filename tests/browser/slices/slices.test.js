@@ -190,7 +190,41 @@ test('contours are thick, thin or hidden', async () => {
   }
   assert.ok(counts.thick > counts.thin && counts.thin > counts.off, JSON.stringify(counts));
   assert.ok(counts.thin > 20 && counts.off < counts.thin / 4, JSON.stringify(counts));
+  // A window that shows all as white: the inside of the skin has 35 % of its color on white.
+  const skin = (await state(page)).surfaces.find(({ name }) => name === 'skin').color;
+  await byId('slices-window').fill('1');
+  await byId('slices-level').fill('-5000');
+  await byId('slices-level').press('Enter');
+  const tint = `#${[1, 3, 5].map(at => Math.round(0.65 * 255 + 0.35 *
+    parseInt(skin.slice(at, at + 2), 16)).toString(16).padStart(2, '0')).join('')}`;
+  const tinted = {};
+  for (const lines of ['thin', 'filled']) {
+    await byId('slice-lines').selectOption(lines);
+    await drawn();
+    tinted[lines] = await near('slice-axial', tint);
+    if (lines === 'filled') await shoot(page, 'slices_filled');
+  }
+  assert.ok(tinted.filled > 2000 && tinted.thin < tinted.filled / 4, JSON.stringify(tinted));
+  await byId('slice-lines').selectOption('off');
   await byId('window-full').click();
+});
+
+test('slices show where clip planes cut', async () => {
+  await drawn();
+  const slices = ['slice-axial', 'slice-coronal', 'slice-sagittal'];
+  const pictures = () => Promise.all(slices.map(pixelsOf));
+  const before = await pictures();
+  // A plane across the patient's left and right, beside the crosshair.
+  await after(page, () => say(raw, 'clip L 20'), now => now.clips.length === 1);
+  await drawn();
+  const cut = await pictures();
+  assert.notDeepEqual(cut[0], before[0]);
+  assert.notDeepEqual(cut[1], before[1]);
+  assert.deepEqual(cut[2], before[2], 'the plane is parallel to the sagittal slice');
+  await shoot(page, 'slices_cut');
+  await after(page, () => say(raw, 'clip off'), now => now.clips.length === 0);
+  await drawn();
+  assert.deepEqual(await pictures(), before);
 });
 
 test('colors and square voxels', async () => {

@@ -176,24 +176,59 @@ TEST_SUITE("inspector") {
             serve::answer(shown.session, R"({"ask":"slice","axis":"z","index":10})");
         CHECK(json::parse(answer.json)["contours"].empty());
     }
+    TEST_CASE("an oblique slice has sampled values, then its contours") {
+        Loaded shown("phantom:sphere");
+        Session& session = shown.session;
+        session.surfaces.set("ball", 0.5, CaseRule::watertight, {1, 2, 255});
+        const auto question = [](const char* right, const char* down, const char* size) {
+            return fmt::format(R"({{"ask":"slice","axis":"oblique","center_mm":[0.3,-0.7,0.45],)"
+                               R"("right":{},"down":{},"width":{},"height":90,"pixel_mm":0.75}})",
+                               right, down, size);
+        };
+        const serve::Answer answer =
+            serve::answer(session, question("[0.6,0.8,0]", "[0,0,-1]", "100"));
+        const json told = json::parse(answer.json);
+        CHECK(told["width"] == 100);
+        CHECK(told["height"] == 90);
+        CHECK(told["type"] == "float32");
+        CHECK(told["spacing_mm"] == json({0.75, 0.75}));
+        CHECK(told["letters"]["top"] == "S");
+        CHECK(told["letters"]["right"] == "PL");
+        const auto pieces = told["contours"][0]["count"].get<std::size_t>();
+        CHECK(told["contours"][0]["isovalue"] == 0.5);
+        CHECK(pieces > 100);
+        CHECK(answer.bytes.size() == 100 * 90 * 4 + pieces * 16);
+        float middle = 0;  // 0.5 pixels beside the center of the sphere, in 0.01 mm of depth.
+        std::memcpy(&middle, answer.bytes.data() + 4 * (45 * 100 + 50), sizeof middle);
+        CHECK(middle > 3000 - 100 * 2.7F);  // A voxel has a diagonal of 2.62 mm.
+        CHECK(middle <= 3000);
+        CHECK(refused(session, question("[1,1,0]", "[0,0,-1]", "100")) ==
+              "ask: 'right' is [1,1,0] and 'down' is [0,0,-1]; they must have the length 1 and be "
+              "at a right angle");
+        CHECK(refused(session, question("[1,0]", "[0,0,-1]", "100")) ==
+              "ask: 'right' is [1,0]; it must be three numbers from -1000000 to 1000000");
+        CHECK(refused(session, question("[1,0,0]", "[0,1,0]", "2000")) ==
+              "ask: 'width' is 2000; it must be a whole number from 2 to 1024");
+    }
     TEST_CASE("bad questions are refused with what was given and what may be") {
         Loaded shown("phantom:torus");  // 80 x 64 x 32 voxels.
         Session& session = shown.session;
         CHECK(refused(session, "[1]") == "ask: the message is no JSON object");
         CHECK(refused(session, "{\"ask\"") == "ask: the message is no JSON object");
-        CHECK(refused(session, "{}") == R"(ask: 'ask' is missing; it must be "slice" or "scrub")");
+        CHECK(refused(session, "{}") ==
+              R"(ask: 'ask' is missing; it must be "slice", "scrub" or "folder")");
         CHECK(refused(session, R"({"ask":"pie"})") ==
-              R"(ask: 'ask' is "pie"; it must be "slice" or "scrub")");
+              R"(ask: 'ask' is "pie"; it must be "slice", "scrub" or "folder")");
         CHECK(refused(session, R"({"ask":["slice"]})") ==
-              R"(ask: 'ask' is ["slice"]; it must be "slice" or "scrub")");
+              R"(ask: 'ask' is ["slice"]; it must be "slice", "scrub" or "folder")");
         CHECK(refused(session, R"({"ask":"slice","axis":"w","index":0})") ==
-              R"(ask: 'axis' is "w"; it must be "x", "y" or "z")");
+              R"(ask: 'axis' is "w"; it must be "x", "y", "z" or "oblique")");
         CHECK(refused(session, R"({"ask":"slice","axis":"xy","index":0})") ==
-              R"(ask: 'axis' is "xy"; it must be "x", "y" or "z")");
+              R"(ask: 'axis' is "xy"; it must be "x", "y", "z" or "oblique")");
         CHECK(refused(session, R"({"ask":"slice","axis":"","index":0})") ==
-              R"(ask: 'axis' is ""; it must be "x", "y" or "z")");
+              R"(ask: 'axis' is ""; it must be "x", "y", "z" or "oblique")");
         CHECK(refused(session, R"({"ask":"slice","axis":2,"index":0})") ==
-              R"(ask: 'axis' is 2; it must be "x", "y" or "z")");
+              R"(ask: 'axis' is 2; it must be "x", "y", "z" or "oblique")");
         for (const char* index : {"32", "-1", "1.5", "\"3\"", "null", "18446744073709551615"}) {
             CHECK(refused(session,
                           fmt::format(R"({{"ask":"slice","axis":"z","index":{}}})", index)) ==

@@ -1,6 +1,7 @@
 // Ends of measurements on slices: where they are, and what a measurement becomes if one moves.
 import {isRegion, through, valuesOf} from '../panel/measures.js';
 import {toPatient, toVoxel} from './patient_grid.js';
+import {depthOf} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_measure.js').Mark} Mark */
@@ -17,9 +18,8 @@ const HALF_A_SLICE = 0.5;
  * @param {Pick<Mark, 'slice' | 'voxels'>} mark
  */
 export function isOn(slice, {slice: own, voxels}) {
-  const deep = slice.axes[2];
   return own ? own.axis === slice.axis && own.index === slice.index
-    : voxels.every(voxel => Math.abs(voxel[deep] - slice.index) <= HALF_A_SLICE);
+    : voxels.every(voxel => Math.abs(depthOf(slice, voxel)) <= HALF_A_SLICE);
 }
 
 /**

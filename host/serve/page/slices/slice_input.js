@@ -1,11 +1,33 @@
 // Pointer, wheel, fingers and keys on a slice.
 import {ZOOM_STEP} from './slice_zoom.js';
 
+/** @typedef {import('./patient_grid.js').Vector} Vector */
+/** @typedef {import('./slice_ends.js').End} End */
 /** @typedef {import('./slice_view.js').SliceView} SliceView */
-/** @typedef {import('./slice_view.js').Events} Events */
-/** @typedef {import('./slice_view.js').Under} Under */
 /** @typedef {'point' | 'move' | 'measure' | 'window' | 'tissue'} Tool */
 /** @typedef {[number, number]} Place  CSS pixels of the view. */
+
+/**
+ * Callbacks of a slice view.
+ * @typedef {object} Events
+ * @property {(voxel: Vector) => void} point        The user chose this voxel.
+ * @property {(phase: Phase, voxel: Vector | null) => void} measure  The measuring tool was used at
+ *     this place; null outside of the slice.
+ * @property {(phase: Phase, end: End, voxel: Vector | null) => void} end  A pointer drags an end of
+ *     a measurement to this place; null if it stops.
+ * @property {(value: number) => void} tissue       The tissue tool picked this value.
+ * @property {(under: Under | null) => void} hover
+ * @property {(by: number) => void} step            To the next slices.
+ * @property {(across: number, down: number) => void} window  Dragged so far, in CSS pixels.
+ * @property {(by: number, at: [number, number] | null) => void} zoom  `by` times larger, around a
+ *     place of this view, in CSS pixels, or the crosshair; 0: the whole slice.
+ */
+
+/** @typedef {'press' | 'move' | 'release' | 'cancel' | 'end'} Phase  'end': of a path. */
+/**
+ * The voxel, not rounded, the value that is shown there, and the voxel's own.
+ * @typedef {{voxel: Vector, value: number, own: number}} Under
+ */
 
 const TOUCHPAD_STEP = 40;   // deltaY per slice of a touchpad, which sends many small steps.
 const LEAST_NOTCH = 50;     // A larger deltaY comes from a mouse wheel.

@@ -8,7 +8,7 @@ import {toPatient, toVoxel} from './patient_grid.js';
 import {movedTo, regionOf} from './slice_ends.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
-/** @typedef {import('./slice_view.js').Phase} Phase */
+/** @typedef {import('./slice_input.js').Phase} Phase */
 /** @typedef {import('./slice_view.js').SliceView} SliceView */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 /** @typedef {import('../panel/measures.js').Kind} Kind */

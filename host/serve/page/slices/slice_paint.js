@@ -2,12 +2,14 @@
 import {styleColor} from '../elements/canvas.js';
 import {significant} from '../elements/numbers.js';
 import {paintMarks} from './mark_paint.js';
+import {insideOf} from './slice_fill.js';
 import {boxAt, pixelAt, placedIn} from './slice_pixels.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Placed} Placed */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
-/** @typedef {'thick' | 'thin' | 'off'} Lines  Contours. */
+/** @typedef {'thick' | 'thin' | 'filled' | 'off'} Lines  Contours. */
+/** @typedef {import('./slice_cuts.js').Cut} Cut */
 
 /**
  * Where and how to paint.
@@ -23,9 +25,13 @@ import {boxAt, pixelAt, placedIn} from './slice_pixels.js';
 
 const CROSSHAIR_GAP = 6;    // Free space around the point, CSS pixels.
 const LETTER_MARGIN = 4;
-const LINE_WIDTH = {thick: 1.5, thin: 1};  // Contours, CSS pixels.
+const LINE_WIDTH = {thick: 1.5, thin: 1, filled: 1};  // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
 const EDGE_COLOR = '#000c';
+const TINT = 0.35;           // Opacity of filled contours.
+const CUT_DASH = [6, 4];    // Line where a clip plane cuts, CSS pixels.
+const CUT_TICK = 5;         // Short lines on its kept side, and the distance between them.
+const CUT_TICK_EVERY = 20;
 
 /**
  * Paints evenly spaced pixels at once, uneven rows or columns one by one with their widths. At most
@@ -34,7 +40,7 @@ const EDGE_COLOR = '#000c';
  * @param {HTMLCanvasElement} image
  * @param {boolean} smooth      Interpolates between pixels.
  */
-export function paintImage({context, slice, place}, image, smooth) {
+function paintImage({context, slice, place}, image, smooth) {
   context.imageSmoothingEnabled = smooth;
   context.imageSmoothingQuality = 'high';
   if (!slice.places_mm?.[0] && !slice.places_mm?.[1]) {
@@ -57,10 +63,13 @@ export function paintImage({context, slice, place}, image, smooth) {
 /**
  * Paints contours; thick ones with a dark edge, so that light contours stay visible on bone.
  * @param {Paper} paper
- * @param {'thick' | 'thin'} lines
+ * @param {'thick' | 'thin' | 'filled'} lines
  */
-export function paintContours({context, slice, place, unit}, lines) {
+function paintContours({context, slice, place, unit}, lines) {
   context.lineCap = 'round';
+  if (lines === 'filled' && !slice.oblique) {  // Its contours end at the border of the volume.
+    slice.contours.forEach(contour => paintInside({context, slice, place}, contour));
+  }
   const paths = slice.contours.map(({color, first, count}) => {
     const path = new Path2D();
     for (let i = 4 * first; i < 4 * (first + count); i += 4) {
@@ -82,12 +91,75 @@ export function paintContours({context, slice, place, unit}, lines) {
   }
 }
 
+/** Closed lines of the contours of shown slices. @type {WeakMap<object, number[][]>} */
+const insides = new WeakMap();
+
+/**
+ * Tints the inside of a contour. An incomplete contour has no inside.
+ * @param {Pick<Paper, 'context' | 'slice' | 'place'>} paper
+ * @param {import('./slice_pixels.js').Contour} contour
+ */
+function paintInside({context, slice, place}, contour) {
+  const {first, count, isovalue, color, left_out} = contour;
+  if (left_out) {
+    return;
+  }
+  const lines = insides.get(contour) ?? insideOf({width: slice.width, height: slice.height,
+    segments: slice.segments.subarray(4 * first, 4 * (first + count)),
+    isInside: slice.own[0] >= isovalue});
+  insides.set(contour, lines);
+  const path = new Path2D();
+  for (const line of lines) {
+    for (let i = 0; i < line.length; i += 2) {
+      const at = boxAt(slice, place, line[i], line[i + 1]);
+      i === 0 ? path.moveTo(...at) : path.lineTo(...at);
+    }
+    path.closePath();
+  }
+  context.globalAlpha = TINT;
+  context.fillStyle = color;
+  context.fill(path, 'evenodd');
+  context.globalAlpha = 1;
+}
+
+/**
+ * Paints where planes cut the slice: dashed, with short lines on the kept side.
+ * @param {Paper} paper
+ * @param {Cut[]} cuts
+ */
+function paintCuts({canvas, context, place, unit}, cuts) {
+  const box = (/** @type {[number, number]} */ [u, v]) => [
+    place.left + (u - place.first[0]) * place.scale,
+    place.top + (v - place.first[1]) * place.scale];
+  const lines = new Path2D(), ticks = new Path2D();
+  for (const {from, to, kept} of cuts) {
+    const [[x0, y0], [x1, y1]] = [box(from), box(to)];
+    lines.moveTo(x0, y0);
+    lines.lineTo(x1, y1);
+    const length = Math.hypot(x1 - x0, y1 - y0), step = CUT_TICK_EVERY * unit;
+    for (let at = step / 2; kept && at < length; at += step) {
+      const x = x0 + (x1 - x0) * at / length, y = y0 + (y1 - y0) * at / length;
+      ticks.moveTo(x, y);
+      ticks.lineTo(x + kept[0] * CUT_TICK * unit, y + kept[1] * CUT_TICK * unit);
+    }
+  }
+  for (const [style, width] of /** @type {const} */ ([[EDGE_COLOR, 3],
+    [styleColor(canvas, '--text'), 1]])) {
+    context.strokeStyle = style;
+    context.lineWidth = width * unit;
+    context.setLineDash(CUT_DASH.map(each => each * unit));
+    context.stroke(lines);
+    context.setLineDash([]);
+    context.stroke(ticks);
+  }
+}
+
 /**
  * @param {Paper} paper
  * @param {Vector} size     Size of the volume, voxels.
  * @param {Vector} voxel
  */
-export function paintCrosshair({canvas, context, slice, place, unit}, size, voxel) {
+function paintCrosshair({canvas, context, slice, place, unit}, size, voxel) {
   const [x, y] = boxAt(slice, place, ...pixelAt(slice, size, voxel));
   const right = place.left + place.width, bottom = place.top + place.height;
   context.lineWidth = unit;
@@ -110,7 +182,7 @@ export function paintCrosshair({canvas, context, slice, place, unit}, size, voxe
  * @param {Paper} paper
  * @param {number} times    1: not zoomed.
  */
-export function paintLetters({context, slice: {letters, slab}, width, height, unit}, times) {
+function paintLetters({context, slice: {letters, slab}, width, height, unit}, times) {
   context.font = `600 ${12 * unit}px system-ui, sans-serif`;
   context.textBaseline = 'middle';
   context.lineWidth = 3 * unit;
@@ -148,6 +220,7 @@ export function paintLetters({context, slice: {letters, slab}, width, height, un
  * @property {import('./slice_zoom.js').Zoom} zoom
  * @property {Vector | null} crosshair
  * @property {import('./slice_measure.js').Mark[]} marks
+ * @property {Cut[]} cuts                   Where planes cut it.
  */
 
 /**
@@ -158,7 +231,7 @@ export function paintLetters({context, slice: {letters, slab}, width, height, un
  * @returns {ReturnType<typeof paintMarks>}  Where the labels of the measurements are.
  */
 export function paintSlice(shown, where, hasMarks) {
-  const {canvas, slice, size, image, look, zoom, crosshair, marks} = shown;
+  const {canvas, slice, size, image, look, zoom, crosshair, marks, cuts} = shown;
   const paper = {canvas, slice, place: placedIn(slice, where.width, where.height, zoom), ...where};
   paintImage(paper, image, look.smooth);
   if (look.lines !== 'off') {
@@ -167,6 +240,7 @@ export function paintSlice(shown, where, hasMarks) {
   if (!hasMarks) {
     return new Map();
   }
+  paintCuts(paper, cuts);
   if (crosshair) {
     paintCrosshair(paper, size, crosshair);
   }

@@ -1,5 +1,6 @@
 // Parses the answer to `ask slice`, and converts between pixels and voxels. Pure functions.
 
+import {onPlane, voxelOnPlane} from './oblique_plane.js';
 import {placeOf, sliceAt} from './patient_grid.js';
 import {WHOLE} from './slice_zoom.js';
 
@@ -7,13 +8,18 @@ import {WHOLE} from './slice_zoom.js';
 /** @typedef {import('./slice_zoom.js').Zoom} Zoom */
 /** @typedef {'x' | 'y' | 'z'} Axis */
 /**
- * @typedef {{surface: string, color: string, first: number, count: number,
+ * @typedef {{grid: import('./patient_grid.js').Grid, plane: import('./oblique_plane.js').Plane}}
+ *   Oblique
+ */
+/**
+ * @typedef {{surface: string, color: string, isovalue: number, first: number, count: number,
  *   left_out?: number}} Contour */
 
 /**
  * @typedef {object} Slice
- * @property {Axis} axis            Voxel axis perpendicular to the slice.
+ * @property {Axis | 'oblique'} axis  Voxel axis perpendicular to the slice.
  * @property {number} index
+ * @property {Oblique} [oblique]    The slice is oblique: it has no axes, flips and index.
  * @property {number} width         Pixels.
  * @property {number} height
  * @property {[number, number]} spacing_mm      Across, down.
@@ -38,13 +44,12 @@ const ALIGNMENT = 8;
 const FLOATS_PER_SEGMENT = 4;
 
 /**
- * @param {Axis} axis
- * @param {number} index
+ * @param {import('./slice_source.js').Question} question
  * @param {{json: any, bytes: ArrayBuffer}} answer  To `ask slice`.
  * @returns {Slice}
  * @throws {Error} if the bytes are fewer than the JSON says
  */
-export function sliceOf(axis, index, {json, bytes}) {
+export function sliceOf({axis, index = 0, oblique}, {json, bytes}) {
   const array = ARRAYS[json.type];
   if (!array) {
     throw new Error(`slice: values of type '${json.type}' are not known here`);
@@ -61,7 +66,7 @@ export function sliceOf(axis, index, {json, bytes}) {
   }
   const values = new array(bytes, 0, count);
   return {
-    ...json, axis, index, values, own: json.slab ? new own(bytes, middle, count) : values,
+    ...json, axis, index, oblique, values, own: json.slab ? new own(bytes, middle, count) : values,
     segments: new Float32Array(bytes, behind, segments * FLOATS_PER_SEGMENT),
   };
 }
@@ -75,6 +80,9 @@ export function sliceOf(axis, index, {json, bytes}) {
  * @returns {Vector}
  */
 export function voxelAt(slice, size, x, y) {
+  if (slice.oblique) {
+    return voxelOnPlane(slice.oblique.grid, slice.oblique.plane, x, y);
+  }
   const [across, down, through] = slice.axes;
   /** @type {Vector} */
   const voxel = [0, 0, 0];
@@ -92,6 +100,9 @@ export function voxelAt(slice, size, x, y) {
  * @returns {[number, number]}
  */
 export function pixelAt(slice, size, voxel) {
+  if (slice.oblique) {
+    return onPlane(slice.oblique.grid, slice.oblique.plane, voxel).pixel;
+  }
   const [across, down] = slice.axes;
   return [slice.flips[0] ? size[across] - 1 - voxel[across] : voxel[across],
     slice.flips[1] ? size[down] - 1 - voxel[down] : voxel[down]];
@@ -104,6 +115,15 @@ export function pixelAt(slice, size, voxel) {
  */
 export function isInside({width, height}, [x, y]) {
   return x >= -0.5 && y >= -0.5 && x <= width - 0.5 && y <= height - 0.5;
+}
+
+/**
+ * How far a voxel is from a slice, in slices; from an oblique one, in pixels.
+ * @param {Slice} slice
+ * @param {Vector} voxel
+ */
+export function depthOf({axes, index, oblique}, voxel) {
+  return oblique ? onPlane(oblique.grid, oblique.plane, voxel).depth : voxel[axes[2]] - index;
 }
 
 /**

@@ -9,6 +9,8 @@ import {slabText} from './slice_slab.js';
 /** @typedef {import('./slice_slab.js').ShownSlab} ShownSlab */
 /** @typedef {{plane: string, value: number, slab: ShownSlab}} SlabValue */
 
+const WHERE = {pointer: ' at', crosshair: ' at the crosshair,', between: ' interpolated, near'};
+
 export class SliceReadout {
   constructor() {
     this.element = h('p', {class: 'readout', 'data-testid': 'slices-readout'});
@@ -19,18 +21,40 @@ export class SliceReadout {
   }
 
   /**
+   * Tells the value under the pointer; without a pointer, the crosshair's, with those of all slabs.
+   * @param {VolumeState | null} volume
+   * @param {{plane: string, view: import('./slice_view.js').SliceView}[]} views
+   * @param {object} at
+   * @param {import('./slice_input.js').Under | null} at.under
+   * @param {number} at.number        The view with the pointer; behind the last is the oblique one.
+   * @param {Vector} at.crosshair
+   */
+  show(volume, views, {under, number, crosshair}) {
+    const shown = views.map(({plane, view}, each) => ({plane, slab: view.slab,
+      at: !under ? view.valueAt(crosshair) : each === number ? under : null}));
+    const own = under ?? shown.find(({at}) => at)?.at;
+    if (!volume || !own) {
+      this.clear();
+      return;
+    }
+    this.tell(volume, own.voxel, own.own,
+      !under ? 'crosshair' : number < views.length ? 'pointer' : 'between',
+      shown.flatMap(({plane, slab, at}) => slab && at ? [{plane, slab, value: at.value}] : []));
+  }
+
+  /**
    * @param {VolumeState} volume
    * @param {Vector} voxel            Not rounded.
-   * @param {number} value            Of the voxel.
-   * @param {boolean} isCrosshair     Else the pointer is there.
+   * @param {number} value            Of the voxel, or interpolated there.
+   * @param {'pointer' | 'crosshair' | 'between'} where  'between': the pointer, between voxels.
    * @param {SlabValue[]} slabs       What slabs show there.
    */
-  tell(volume, voxel, value, isCrosshair, slabs) {
+  tell(volume, voxel, value, where, slabs) {
     const [x, y, z] = nearestVoxel(volume, voxel);
     const text = (/** @type {number} */ number) =>
       `${significant(number, 6)} ${volume.unit}`.trim();
     this.element.replaceChildren(h('b', {}, text(value)),
-      ` at ${isCrosshair ? 'the crosshair, ' : ''}voxel ${x}, ${y}, ${z}`,
+      `${WHERE[where]} voxel ${x}, ${y}, ${z}`,
       h('span', {}, patientText(toPatient(volume, voxel))),
       ...slabs.map(({plane, value: shown, slab}) => h('span', {},
         `${plane}, ${slabText(slab)}: ${text(shown)}`)));

@@ -15,7 +15,7 @@ import {COLOR_MAPS} from './windows.js';
 /** How slices look at first. @type {Readonly<Look>} */
 export const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
 
-const LINES = {thick: 'thick', thin: 'thin', off: 'none'};
+const LINES = {thick: 'thick', thin: 'thin', filled: 'filled', off: 'none'};
 
 /**
  * @param {string} label

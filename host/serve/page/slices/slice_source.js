@@ -1,9 +1,15 @@
 // Requests slices, newest only: one request per view is in flight, and the newest waits.
 import {sliceOf} from './slice_pixels.js';
 
-/** @typedef {import('./slice_pixels.js').Axis} Axis */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
-/** @typedef {import('./slice_slab.js').Slab} Slab */
+/**
+ * A slice across an axis, or an oblique one.
+ * @typedef {object} Question
+ * @property {import('./slice_pixels.js').Axis | 'oblique'} axis
+ * @property {number} [index]
+ * @property {import('./slice_slab.js').Slab} [slab]
+ * @property {import('./slice_pixels.js').Oblique} [oblique]
+ */
 
 export class SliceSource {
   /**
@@ -13,7 +19,7 @@ export class SliceSource {
   constructor(connection, to) {
     /** @private */ this.connection_ = connection;
     /** @private */ this.to_ = to;
-    /** @private @type {{axis: Axis, index: number, slab: Slab} | null} */ this.next_ = null;
+    /** @private @type {Question | null} */ this.next_ = null;
     /** @private */ this.busy_ = false;
     /** @private  The last request; '' to send it again. */
     this.asked_ = '';
@@ -29,18 +35,16 @@ export class SliceSource {
   }
 
   /**
-   * @param {Axis} axis
-   * @param {number} index
-   * @param {Slab} slab
+   * @param {Question} question
    * @param {string} of       Identifies volume and contours, to skip repeated requests.
    */
-  want(axis, index, slab, of) {
-    const asked = `${axis} ${index} ${slab.mm > 0 ? `${slab.mm} ${slab.kind}` : ''} ${of}`;
+  want(question, of) {
+    const asked = `${JSON.stringify(sent(question))} ${of}`;
     if (asked === this.asked_) {
       return;
     }
     this.asked_ = asked;
-    this.next_ = {axis, index, slab};
+    this.next_ = question;
     if (!this.busy_) {
       void this.work_();
     }
@@ -50,14 +54,13 @@ export class SliceSource {
   async work_() {
     this.busy_ = true;
     while (this.next_) {
-      const {axis, index, slab: {mm, kind}} = this.next_;
+      const question = this.next_;
       this.next_ = null;
       const epoch = this.epoch_;
       try {
-        const answer = await this.connection_.ask({ask: 'slice', axis, index,
-          ...mm > 0 && {slab_mm: mm, kind}});
+        const answer = await this.connection_.ask({ask: 'slice', ...sent(question)});
         if (epoch === this.epoch_) {
-          this.to_.slice(sliceOf(axis, index, answer));
+          this.to_.slice(sliceOf(question, answer));
         }
       } catch (error) {
         if (epoch === this.epoch_) {
@@ -68,4 +71,13 @@ export class SliceSource {
     }
     this.busy_ = false;
   }
+}
+
+/**
+ * The question as the server reads it.
+ * @param {Question} question
+ */
+function sent({axis, index, slab, oblique}) {
+  return {axis, index, ...oblique?.plane, ...slab && slab.mm > 0 &&
+    {slab_mm: slab.mm, kind: slab.kind}};
 }

@@ -7,39 +7,23 @@ import {paintMarks} from './mark_paint.js';
 import {isOn, nearestEnd, pointsMoved} from './slice_ends.js';
 import {SliceInput} from './slice_input.js';
 import {paintSlice} from './slice_paint.js';
-import {boxAt, isInside, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt} from './slice_pixels.js';
+import {boxAt, depthOf, isInside, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt}
+  from './slice_pixels.js';
 import {USUAL} from './slice_settings.js';
 import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js';
 import {paintValues} from './windows.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_ends.js').End} End */
+/** @typedef {import('./slice_input.js').Events} Events */
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
 /** @typedef {import('./slice_settings.js').Look} Look */
 /** @typedef {import('./slice_zoom.js').Zoom} Zoom */
 /** @typedef {import('./windows.js').Window} Window */
 
-/**
- * Callbacks of a slice view.
- * @typedef {object} Events
- * @property {(voxel: Vector) => void} point        The user chose this voxel.
- * @property {(phase: Phase, voxel: Vector | null) => void} measure  The measuring tool was used at
- *     this place; null outside of the slice.
- * @property {(phase: Phase, end: End, voxel: Vector | null) => void} end  A pointer drags an end of
- *     a measurement to this place; null if it stops.
- * @property {(value: number) => void} tissue       The tissue tool picked this value.
- * @property {(under: Under | null) => void} hover
- * @property {(by: number) => void} step            To the next slices.
- * @property {(across: number, down: number) => void} window  Dragged so far, in CSS pixels.
- * @property {(by: number, at: [number, number] | null) => void} zoom  `by` times larger, around a
- *     place of this view, in CSS pixels, or the crosshair; 0: the whole slice.
- */
+/** @typedef {import('./slice_input.js').Under} Under */
 
-/** @typedef {'press' | 'move' | 'release' | 'cancel' | 'end'} Phase  'end': of a path. */
-/**
- * The voxel, not rounded, the value that is shown there, and the voxel's own.
- * @typedef {{voxel: Vector, value: number, own: number}} Under
- */
+const HALF = 0.5;   // Of a pixel.
 
 export class SliceView {
   /**
@@ -54,6 +38,8 @@ export class SliceView {
     /** @private Its pixel of the slice. */ this.crosshairPixel_ = '';
     /** @private @type {Zoom} */ this.zoom_ = WHOLE;
     /** @private */ this.look_ = USUAL;
+    /** @private @type {(slice: Slice) => import('./slice_cuts.js').Cut[]} */
+    this.cuts_ = () => [];
     /** @private @type {import('./slice_measure.js').Mark[]} */ this.marks_ = [];
     /** Boxes of the labels by name. @type {ReturnType<typeof paintMarks>} */
     this.labels = new Map();
@@ -78,9 +64,9 @@ export class SliceView {
     this.slice_ = slice;
     this.size_ = size;
     this.repaint(through);
-    this.canvas.setAttribute('aria-label', `${this.plane_} slice ${slice.index + 1} of ` +
-      `${size[slice.axes[2]]}: arrow keys move the crosshair, Page Up and Down step slices, ` +
-      'plus and minus zoom, 0 shows the whole slice');
+    const number = slice.oblique ? '' : ` ${slice.index + 1} of ${size[slice.axes[2]]}`;
+    this.canvas.setAttribute('aria-label', `${this.plane_} slice${number}: arrow keys move the ` +
+      'crosshair, Page Up and Down step slices, plus and minus zoom, 0 shows the whole slice');
   }
 
   /**
@@ -90,6 +76,12 @@ export class SliceView {
   setLook(look, through) {
     this.look_ = look;
     this.repaint(through);
+  }
+
+  /** @param {(slice: Slice) => import('./slice_cuts.js').Cut[]} cuts  Where planes cut it. */
+  setCuts(cuts) {
+    this.cuts_ = cuts;
+    this.draw();
   }
 
   /** @param {import('./slice_input.js').Tool} tool */
@@ -145,7 +137,7 @@ export class SliceView {
    */
   valueAt(voxel) {
     const slice = this.slice_;
-    if (!slice || Math.round(voxel[slice.axes[2]]) !== slice.index) {
+    if (!slice || Math.abs(depthOf(slice, voxel)) > HALF) {
       return null;
     }
     const [x, y] = pixelAt(slice, this.size_, voxel);
@@ -209,11 +201,11 @@ export class SliceView {
     return this.slice_ ? pointsMoved(this.slice_, voxels, end, to) : voxels;
   }
 
-  /** Which slice is shown, if any. */
+  /** Which slice is shown; null if none is, or an oblique one. */
   get shown() {
     const slice = this.slice_, slab = slice?.slab;
-    return slice && {axis: slice.axis, index: slice.index,
-      ...slab && {slab_mm: slab.thickness_mm, slab_kind: slab.kind}};
+    return slice && slice.axis !== 'oblique' ? {axis: slice.axis, index: slice.index,
+      ...slab && {slab_mm: slab.thickness_mm, slab_kind: slab.kind}} : null;
   }
 
   /**
@@ -343,7 +335,7 @@ export class SliceView {
   get all() {
     return this.slice_ && {canvas: this.canvas, plane: this.plane_, slice: this.slice_,
       size: this.size_, zoom: this.zoom_, image: this.image_, look: this.look_,
-      crosshair: this.crosshair_, marks: this.marks_};
+      crosshair: this.crosshair_, marks: this.marks_, cuts: this.cuts_(this.slice_)};
   }
 
   /**
@@ -363,7 +355,9 @@ export class SliceView {
       return null;
     }
     const at = row * slice.width + column;
-    return {voxel: voxelAt(slice, this.size_, x, y), value: slice.values[at], own: slice.own[at]};
+    // An oblique slice has no values beyond the volume.
+    return Number.isNaN(slice.values[at]) && slice.oblique ? null
+      : {voxel: voxelAt(slice, this.size_, x, y), value: slice.values[at], own: slice.own[at]};
   }
 
   /**

@@ -1,17 +1,20 @@
 // Panel: three slices of the volume, linked to each other and to the picture.
 import {h} from '../elements/dom.js';
-import {isoCommand, roundIso} from '../link/lines.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
+import {ObliquePane} from './oblique_pane.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
+import {cutsOf} from './slice_cuts.js';
 import {SliceMeasure} from './slice_measure.js';
 import {SlicePlace} from './slice_place.js';
 import {pictureOf, shownSize} from './slice_picture.js';
 import {planesOf} from './slice_planes.js';
 import {SliceReadout} from './slice_readout.js';
+import {keepInSession} from './slice_session.js';
 import {SliceSettings} from './slice_settings.js';
 import {SlabControls} from './slice_slab.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
+import {TOOLS, takeTissue} from './slice_tools.js';
 import {beyond, differing} from './slice_words.js';
 import {limitedTimes} from './slice_zoom.js';
 import {WindowControls} from './window_controls.js';
@@ -32,7 +35,7 @@ function isLarge({element}) {
   return element.classList.contains('large');
 }
 
-class SlicesPanel {
+export class SlicesPanel {
   /**
    * @param {HTMLElement} root
    * @param {import('../panel/app.js').App} app
@@ -63,13 +66,17 @@ class SlicesPanel {
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
     this.beyond = h('p', {class: 'legend', 'data-testid': 'slices-beyond'});
     this.panes = PLANES.map((_, number) => this.pane(number));
+    this.oblique = new ObliquePane(app.connection,
+      new SliceView('Oblique', this.events(PLANES.length)), {changed: () => this.cut(),
+        shown: slice => this.show(this.oblique.view, slice),
+        failed: sentence => this.message.fail(sentence)});
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
       'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
     /** @type {import('./slice_input.js').Tool}  The chosen tool. A mode may replace it. */
     this.tool = 'point';
     this.window = new WindowControls(through =>
-      this.panes.forEach(({view}) => view.repaint(through)));
+      this.views().forEach(view => view.repaint(through)));
     this.slabs = new SlabControls(PLANES, () => this.refresh());
     this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
       [this.slabs.element, this.window.more]);
@@ -82,16 +89,7 @@ class SlicesPanel {
   }
 
   build() {
-    this.tools = choiceRow('Tool for the slices', [
-      {name: 'point', title: 'Point', help: 'Move the crosshair, here and in the picture'},
-      {name: 'move', title: 'Move', help: 'Drag a zoomed slice (with any tool: middle button). ' +
-        'Ctrl and the wheel zoom'},
-      {name: 'measure', title: 'Measure', help: 'Distances, angles and paths; areas and values ' +
-        'of regions'},
-      {name: 'window', title: 'Window', help: 'Drag across for contrast, down for brightness ' +
-        '(with any tool: right button or Shift)'},
-      {name: 'tissue', title: 'Tissue', help: 'Set the isovalue to the value under the pointer'},
-    ], tool => {
+    this.tools = choiceRow('Tool for the slices', TOOLS, tool => {
       this.tool = tool;
       this.app.modes.leave('tissue');
       this.takeTool();
@@ -101,7 +99,8 @@ class SlicesPanel {
       h('div', {class: 'tool-row'}, this.tools.element, this.target, this.measure.kind,
         this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
-      this.beyond, this.grid, this.readout.element, this.notes, this.measure.list.element);
+      this.beyond, this.grid, this.readout.element, this.oblique.element, this.notes,
+      this.measure.list.element);
     const panes = this.panes.map(({element}) => element);
     const parts = {grid: this.grid, readout: this.readout.element, panes};
     this.place = new SlicePlace(this.app, this.root, parts, isSeen => {
@@ -115,12 +114,54 @@ class SlicesPanel {
   /** A click sets an isovalue while the tissue mode is on. */
   takeTool() {
     const tool = this.app.modes.current?.value ? 'tissue' : this.tool;
-    for (const {view} of this.panes) {
-      view.setTool(tool);
-    }
+    this.views().forEach(view => view.setTool(tool));
     this.measure.show(tool === 'measure');
     this.tools?.show(tool);
     this.target.hidden = tool !== 'tissue';
+  }
+
+  /** All views, the oblique one last. */
+  views() {
+    return [...this.panes.map(({view}) => view), this.oblique.view];
+  }
+
+  /**
+   * @param {number} number  Index of the plane; behind the last one is the oblique slice.
+   * @returns {import('./slice_input.js').Events}
+   */
+  events(number) {
+    return {
+      point: voxel => this.point(number < PLANES.length ? voxel : this.oblique.hold(voxel)),
+      measure: (phase, voxel) =>
+        this.volume && this.measure.take(phase, voxel, this.views()[number], this.volume),
+      end: (phase, end, voxel) =>
+        this.volume && this.measure.drag(phase, end, voxel, this.views()[number], this.volume),
+      tissue: value => this.volume && takeTissue(this.app, this.message, this.volume, value),
+      hover: under => this.hover(under, number),
+      step: by => this.step(number, by),
+      window: (across, down) => this.window.drag(across, down),
+      zoom: (by, at) => this.zoom(by, number, at),
+    };
+  }
+
+  /**
+   * @param {SliceView} view
+   * @param {import('./slice_pixels.js').Slice} slice
+   */
+  show(view, slice) {
+    if (this.volume) {
+      view.show(slice, this.volume.size, this.window.through);
+      view.setCrosshair(this.voxel);
+      this.tellValue();
+    }
+  }
+
+  /** Shows where clip planes and the oblique slice cut the slices. */
+  cut() {
+    const {volume} = this, clips = this.app.store.state?.clips.map(({plane}) => plane) ?? [];
+    const other = this.oblique.equation;
+    this.views().forEach(view =>
+      view.setCuts(slice => volume ? cutsOf(slice, volume, clips, other) : []));
   }
 
   /**
@@ -128,23 +169,11 @@ class SlicesPanel {
    * @returns {Pane}
    */
   pane(number) {
-    const view = new SliceView(PLANES[number], {
-      point: voxel => this.point(voxel),
-      measure: (phase, voxel) => this.volume && this.measure.take(phase, voxel, view, this.volume),
-      end: (phase, end, voxel) =>
-        this.volume && this.measure.drag(phase, end, voxel, view, this.volume),
-      tissue: value => this.tissue(value),
-      hover: under => this.hover(under, number),
-      step: by => this.step(number, by),
-      window: (across, down) => this.window.drag(across, down),
-      zoom: (by, at) => this.zoom(by, number, at),
-    });
+    const view = new SliceView(PLANES[number], this.events(number));
     const source = new SliceSource(this.app.connection, {
       slice: slice => {
         if (this.volume) {
-          view.show(slice, this.volume.size, this.window.through);
-          view.setCrosshair(this.voxel);
-          this.tellValue();
+          this.show(view, slice);
           count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
           this.tell(number, slice);
         }
@@ -167,21 +196,17 @@ class SlicesPanel {
 
   listen() {
     const {store, connection, modes, selection, session} = this.app;
-    session.add('window', {save: () => this.volume && this.window.through,
-      restore: through => this.window.look(through)});
-    session.add('slices', {save: () => this.volume && this.settings.look,
-      restore: look => { this.settings.setLook(look); this.look(this.settings.look); }});
-    session.add('slabs', {save: () => this.volume && this.slabs.slabs,
-      restore: slabs => this.slabs.setSlabs(slabs)});
-    session.add('crosshair', {save: () => this.volume && this.voxel,
-      restore: voxel => this.point(voxel)});
+    keepInSession(session, this);
     modes.watch(() => this.takeTool());
     this.app.measures.watch(() => this.mark());
     selection.watch(name => { this.target.value = name; });
     // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
-    store.subscribe(['surfaces', 'clips'], state => { this.beyond.textContent = beyond(state); });
+    store.subscribe(['surfaces', 'clips'], state => {
+      this.beyond.textContent = beyond(state);
+      this.cut();
+    });
     store.subscribe(['surfaces'], ({surfaces}) => {
       this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
         .map(({name}) => h('option', {value: name}, name)));
@@ -228,6 +253,7 @@ class SlicesPanel {
       view.clear();
       count.textContent = '';
     }
+    this.oblique.open(volume);
     if (!volume) {
       return;
     }
@@ -264,6 +290,8 @@ class SlicesPanel {
     if (!volume || !this.visible) {
       return;
     }
+    const of = `${this.opened} ${this.contours}`;
+    this.oblique.refresh(of);
     this.panes.forEach((pane, number) => {
       const {source, slider} = pane;
       const {axis, number: through} = this.planes[number];
@@ -271,7 +299,7 @@ class SlicesPanel {
       slider.max = String(volume.size[through] - 1);
       slider.value = String(index);
       if (which(pane)) {
-        source.want(axis, index, this.slabs.slabs[number], `${this.opened} ${this.contours}`);
+        source.want({axis, index, slab: this.slabs.slabs[number]}, of);
       }
     });
   }
@@ -280,6 +308,7 @@ class SlicesPanel {
   move(voxel) {
     this.voxel = voxel;
     this.panes.forEach(({view}) => view.setCrosshair(voxel));
+    this.oblique.move(voxel);
     this.tellValue();
     this.refresh();
   }
@@ -292,19 +321,19 @@ class SlicesPanel {
    */
   zoom(by, number, at = null) {
     this.times = by === 0 ? 1 : limitedTimes(this.times * by);
-    this.panes.forEach(({view}, each) => view.zoomTo(this.times, each === number ? at : null));
+    this.views().forEach((view, each) => view.zoomTo(this.times, each === number ? at : null));
     this.settings.tellTimes(this.times);
   }
 
   /** Shows the measurements. */
   mark() {
     const marks = this.volume ? this.measure.marks(this.volume) : [];
-    this.panes.forEach(({view}) => view.setMarks(marks));
+    this.views().forEach(view => view.setMarks(marks));
   }
 
   /** @param {import('./slice_settings.js').Look} look */
   look(look) {
-    this.panes.forEach(({view}) => view.setLook(look, this.window.through));
+    this.views().forEach(view => view.setLook(look, this.window.through));
   }
 
   /** @param {Vector} voxel */
@@ -323,50 +352,32 @@ class SlicesPanel {
    * @param {number} by      Slices.
    */
   step(number, by) {
-    if (!this.volume) {
+    const plane = this.planes[number];
+    if (!plane) {
+      this.point(this.oblique.stepped(by));
       return;
     }
     /** @type {Vector} */
     const voxel = [...this.voxel];
-    voxel[this.planes[number].number] += by;
+    voxel[plane.number] += by;
     this.point(voxel);
-  }
-
-  /** @param {number} value */
-  tissue(value) {
-    const {connection, modes, selection} = this.app;
-    if (modes.current?.value) {
-      modes.current.value(value);
-    } else if (selection.name === '') {
-      this.message.fail('There is no surface to adjust. Add a surface first.');
-    } else if (this.volume) {
-      connection.mark();
-      void connection.set(isoCommand(selection.name, roundIso(value, this.volume)));
-    }
   }
 
   /** Tells the value under the pointer, or under the crosshair. */
   tellValue() {
-    if (!this.panes.some(({view}) => view.hover())) {
+    if (!this.views().some(view => view.hover())) {
       this.hover(null, 0);
     }
   }
 
   /**
    * Tells the value under the pointer; without a pointer, the crosshair's.
-   * @param {import('./slice_view.js').Under | null} under
+   * @param {import('./slice_input.js').Under | null} under
    * @param {number} number  Index of the plane with the pointer.
    */
   hover(under, number) {
-    const shown = this.panes.map(({view}, each) => ({plane: PLANES[each], slab: view.slab,
-      at: under ? each === number ? under : null : view.valueAt(this.voxel)}));
-    const own = shown.find(({at}) => at)?.at;
-    if (!this.volume || !own) {
-      this.readout.clear();
-      return;
-    }
-    this.readout.tell(this.volume, own.voxel, own.own, !under, shown.flatMap(
-      ({plane, slab, at}) => slab && at ? [{plane, slab, value: at.value}] : []));
+    this.readout.show(this.volume, this.panes.map(({view}, each) => ({plane: PLANES[each], view})),
+      {under, number, crosshair: this.voxel});
   }
 }
 
