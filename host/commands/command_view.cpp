@@ -7,8 +7,8 @@
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/commands/pictures/picture_settings.hpp"
 #include "host/commands/fit_view.hpp"
+#include "host/commands/pictures/picture_settings.hpp"
 #include "host/scene/clip.hpp"
 #include "host/session/transfer/detail.hpp"
 
