@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Bundles the page: one module and one style sheet instead of about 90 files.
+"""Bundles the page: one module and two style sheets instead of about 90 files.
 
 usage: bundle_page.py ESBUILD PAGE OUT
 
-Writes main.js, page.css, their source maps and index.html to OUT. index.html names both files with
-a hash of their bytes (main.js?v=...), so that a browser may keep them until they change.
+Writes main.js, page.css, light.css, their source maps and index.html to OUT. index.html names
+these files with a hash of their bytes (main.js?v=...), so that a browser may keep them until they
+change.
 """
 import hashlib
 import pathlib
@@ -12,7 +13,7 @@ import re
 import subprocess
 import sys
 
-ENTRIES = ("main.js", "page.css")
+ENTRIES = ("main.js", "page.css", "light.css")
 
 
 def with_hashes(page, folder):

@@ -18,6 +18,7 @@ import {createHelp} from './shell/help.js';
 import {watchKeys} from './shell/keyboard.js';
 import {createOverlay} from './shell/overlay.js';
 import {createPointing} from './shell/pointing.js';
+import {createPrint} from './shell/print.js';
 import {createTabs, showTab} from './shell/tabs.js';
 import {toggleFullScreen} from './shell/view_tools.js';
 import {createEnding, createHints, createStall, createVeil, createWork} from './shell/work.js';
@@ -91,6 +92,7 @@ function start() {
   createHints(app);
   createTabs(app);
   createEdges(app);
+  createPrint(app);
   watchPointers(picture, viewpoint, createPointing(app, () => viewpoint.reset()),
     app.grabs);
   watchKeys(app, viewpoint, actions);

@@ -11,7 +11,7 @@ import {createViewTools} from './view_tools.js';
  * @param {HTMLElement} headset  The button of the headset.
  */
 export function createBar(app, actions, headset) {
-  const name = h('strong', {'data-testid': 'title-volume'});
+  const name = h('h1', {'data-testid': 'title-volume'});
   const about = h('span', {class: 'muted about'});
   const undo = h('button', {'data-testid': 'undo', 'aria-label': 'Undo', onclick: actions.undo},
     icon('undo'), h('span', {class: 'word'}, ' Undo'));

@@ -64,6 +64,7 @@ export function createOverlay(app, viewpoint) {
   });
   app.store.subscribe(['background'], ({background}) => {
     picture.overlay.classList.toggle('on-light', isLight(background));
+    picture.stage.style.backgroundColor = background;  // The ground of the picture, in any theme.
   });
   app.store.subscribe(['stereo'], ({stereo}) => {
     picture.overlay.classList.toggle('anaglyph', stereo === 'anaglyph');

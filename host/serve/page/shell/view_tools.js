@@ -1,7 +1,9 @@
-// Layout, sides and full screen: buttons in the title bar. Narrow windows have them in a menu.
+// Layout, sides and full screen: buttons in the title bar; in narrow windows they are in the menu
+// with the theme.
 import {byId, h, update} from '../elements/dom.js';
 import {icon, setIcon} from '../elements/icons.js';
 import {choiceRow} from '../panel/panel_parts.js';
+import {createTheme} from './theme.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -28,9 +30,11 @@ export const SIDE_KEYS = new Map(SIDES.map(({side, key}) => [key, side]));
 export function createViewTools(app) {
   const tools = h('div', {class: 'row view-tools'}, layoutChoice(app),
     h('div', {class: 'row pair'}, ...SIDES.map(each => sideButton(app, each))), fullButton());
-  const menu = h('div', {id: 'view-menu', role: 'group', 'aria-label': 'View', hidden: true});
+  const menu = h('div', {id: 'view-menu', role: 'group', 'aria-label': 'View', hidden: true},
+    createTheme());
   const button = h('button', {class: 'icon', 'data-testid': 'view-menu', 'aria-label': 'View',
-    title: 'Layout, sides, full screen', 'aria-expanded': false, 'aria-controls': menu.id,
+    title: 'Theme; in narrow windows also layout, sides, full screen',
+    'aria-expanded': false, 'aria-controls': menu.id,
     onclick: () => open(menu.hidden !== false)}, icon('view'));
   const place = h('div', {class: 'view-place'}, tools, button, menu);
   const open = (/** @type {boolean} */ isOpen) => {
@@ -51,7 +55,6 @@ export function createViewTools(app) {
   });
   const narrow = matchMedia(NARROW);
   const follow = () => {
-    button.hidden = !narrow.matches;
     open(false);
     if (narrow.matches) {
       menu.prepend(tools);

@@ -25,7 +25,7 @@ export function paintMarks({canvas, context, slice, place, width, height, unit},
   const marks = all.filter(mark => isOn(slice, mark));
   const drawn = marks.map(({kind, voxels, text}) => ({kind, text,
     places: voxels.map(voxel => boxAt(slice, place, ...pixelAt(slice, size, voxel)))}));
-  const color = styleColor(canvas, '--warn');
+  const color = styleColor(canvas, '--over-warn');
   context.textAlign = 'center';
   context.textBaseline = 'alphabetic';
   context.font = `600 ${LETTERS * unit}px system-ui, sans-serif`;

@@ -163,7 +163,7 @@ function paintCrosshair({canvas, context, slice, place, unit}, size, voxel) {
   const [x, y] = boxAt(slice, place, ...pixelAt(slice, size, voxel));
   const right = place.left + place.width, bottom = place.top + place.height;
   context.lineWidth = unit;
-  context.strokeStyle = styleColor(canvas, '--accent');
+  context.strokeStyle = styleColor(canvas, '--over-accent');
   context.beginPath();
   context.moveTo(place.left, y);
   context.lineTo(x - CROSSHAIR_GAP, y);

@@ -69,8 +69,8 @@ export class SliceSettings {
    * @param {() => void} press
    */
   button_(text, title, testid, press) {
-    return h('button', {type: 'button', title, 'aria-label': title, 'data-testid': testid,
-      onclick: press}, text);
+    return h('button', {type: 'button', title, 'aria-label': /\w/.test(text) ? null : title,
+      'data-testid': testid, onclick: press}, text);
   }
 
   /** @returns {Look} */

@@ -1,0 +1,29 @@
+// A printed page has picture and slices, and these lists: surfaces with values, measurements.
+import {byId, h} from '../elements/dom.js';
+import {plain} from '../link/lines.js';
+import {KIND_TITLES, measureText} from '../panel/measures.js';
+import {valuesText} from '../panel/measure_words.js';
+
+/** @param {import('../panel/app.js').App} app */
+export function createPrint(app) {
+  const surfaces = h('ul', {'data-testid': 'print-surfaces'});
+  const measures = h('ol', {'data-testid': 'print-measures'});
+  const title = h('h2', {}, 'Measurements');
+  byId('print').append(h('h2', {}, 'Surfaces'), surfaces, title, measures);
+  const unit = () => app.store.state?.volume?.unit ?? '';
+  app.store.subscribe(['surfaces', 'volume'], state => {
+    surfaces.replaceChildren(...state.surfaces.filter(({visible}) => visible).map(each => {
+      const swatch = h('i', {class: 'swatch'});
+      swatch.style.backgroundColor = each.color;
+      return h('li', {class: 'row'}, swatch, h('b', {}, each.name),
+        `isovalue ${plain(each.isovalue, 4)} ${unit()}`.trim(),
+        each.opacity < 1 && `, opacity ${Math.round(each.opacity * 100)} %`);
+    }));
+  });
+  app.measures.watch(() => {
+    title.hidden = app.measures.list.length === 0;
+    measures.replaceChildren(...app.measures.list.map(each => h('li', {class: 'row'},
+      h('b', {}, each.name), `${KIND_TITLES[each.kind]}: ${measureText(each)}`,
+      each.values && `(${valuesText(each.values, unit())})`)));
+  });
+}
