@@ -19,14 +19,15 @@ async function keep(page, name) {
 
 for (const [width, height] of SIZES) {
   test(`screens of ${width} x ${height}`, async () => {
-    const { page, close } = await openPage(browser, server.url, { viewport: { width, height } });
+    const { page, close } = await openPage(browser, server.url,
+      { viewport: { width, height }, colorScheme: 'dark' });
     const byId = id => page.getByTestId(id);
     await keep(page, `first-visit-${width}`);
 
     const grip = await middleOf(byId('handle-bone').locator('.reach'));
     await page.mouse.move(grip.x, grip.y);
     await page.mouse.down();
-    await page.mouse.move(grip.x + 12, grip.y, { steps: 6 });
+    await page.mouse.move(grip.x - 8, grip.y, { steps: 6 });
     await keep(page, `threshold-${width}`);
     await page.mouse.move(grip.x, grip.y, { steps: 6 });
     await page.mouse.up();
@@ -63,7 +64,8 @@ for (const [width, height] of SIZES) {
 
 test('a first visit on a large screen', async () => {
   const [width, height] = LARGE;
-  const { page, close } = await openPage(browser, server.url, { viewport: { width, height } });
+  const { page, close } = await openPage(browser, server.url,
+      { viewport: { width, height }, colorScheme: 'dark' });
   await keep(page, `first-visit-${width}`);
   await close();
 });
