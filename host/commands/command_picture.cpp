@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_options.hpp"
 #include "host/commands/pictures/picture_files.hpp"
@@ -46,7 +47,8 @@ void refuse_transparent(const Arguments& arguments, const PictureSettings& setti
 
 /// Throws RequestError (usage) if the file cannot have a transparent ground.
 void check_transparent(const std::string& path) {
-    if (!path.ends_with(".png") && !path.ends_with(".tif") && !path.ends_with(".tiff")) {
+    const std::string suffix = suffix_of(path);
+    if (suffix != ".png" && suffix != ".tif" && suffix != ".tiff") {
         refuse_command(fmt::format(
             "snapshot: {} cannot have a transparent ground. Write a .png or .tif, or name a "
             "color: ground=white",

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "host/base/command_line.hpp"
+#include "host/base/part_file.hpp"
 #include "host/commands/text/picture_text.hpp"
 
 namespace pxpl5::host {
@@ -29,8 +30,8 @@ PictureFiles::PictureFiles(Session& session, const Arguments& arguments, std::si
     if (arguments.words.size() > at) {
         pattern_ = arguments.words[at];
     }
-    is_animation_ = pattern_.ends_with(".gif");
-    is_film_ = pattern_.ends_with(".webm");
+    is_animation_ = suffix_of(pattern_) == ".gif";
+    is_film_ = suffix_of(pattern_) == ".webm";
     if (!pattern_.empty() && !is_animation_ && !is_film_ &&
         pattern_.find("{}") == std::string::npos) {
         refuse_command(fmt::format(

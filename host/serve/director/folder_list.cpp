@@ -149,6 +149,8 @@ Contents read_folder(const FileAccess& access, const Question& question) {
         refuse_command(fmt::format("ask folder: {} is no folder{}", question.path,
                                    error ? fmt::format(": {}", error.message()) : ""));
     }
+    // The path as it was asked for may have another meaning: built-in volumes have paths, too.
+    access.check_read("ask folder", folder.string());
     Contents contents;
     fs::directory_iterator at(folder, error);
     for (; !error && at != fs::directory_iterator(); at.increment(error)) {
@@ -194,7 +196,8 @@ Json json_of(const Entry& entry) {
 
 /// The folder above; "" if that is the list of allowed folders.
 std::string folder_above(const FileAccess& access, const fs::path& folder) {
-    return access.may_read(folder.parent_path()) ? folder.parent_path().string() : "";
+    const fs::path above = folder.parent_path();
+    return above != folder && access.may_read(above) ? above.string() : "";
 }
 
 Json roots_json(const FileAccess& access) {

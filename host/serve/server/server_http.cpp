@@ -153,7 +153,7 @@ int Loop::send_file(lws* connection, const Request& request, const ServedFile& f
         if (!cookie.empty()) {
             with.push_back({WSI_TOKEN_HTTP_SET_COOKIE, cookie});
         }
-        const bool never_changes = file.is_bundled && request.query.contains("v");
+        const bool never_changes = file.is_bundled && !file.is_page && request.query.contains("v");
         return answer(connection, 200, file.type.c_str(), *gzip, with,
                       never_changes ? kept_by_browsers : kept_by_nobody);
     }

@@ -24,7 +24,9 @@ async function slab(mm, kind) {
   await byId('slab-mm').press('Enter');
 }
 
-const readout = () => byId('slices-readout').innerText();
+/** Without commas between thousands. */
+const readout = async () => (await byId('slices-readout').innerText())
+  .replaceAll(/(\d),(?=\d{3})/g, '$1');
 
 /** A line of the readout: the number of slices, and the value. */
 async function told(plane, words) {

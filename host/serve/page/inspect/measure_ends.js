@@ -40,7 +40,10 @@ export class MeasureEnds {
       hint: 'Arrow keys move it by a pixel along the surface, with Shift by 10.',
       look: () => {},
       move: ({name}, end, across, down) => {
-        this.moved_ = this.moved_.then(() => this.step_(name, end, across, down));
+        const {jumps} = app.measures;
+        // Undo ends the movements before it.
+        this.moved_ = this.moved_.then(() =>
+          app.measures.jumps === jumps ? this.step_(name, end, across, down) : undefined);
       },
       leave: () => { this.moved_ = this.moved_.then(() => app.measures.drop()); },
     };

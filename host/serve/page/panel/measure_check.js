@@ -1,11 +1,14 @@
 // Checks the measurements of a session's file, which anybody may have written.
-import {KIND_TITLES, MOST_LETTERS, MOST_MEASURES, MOST_NOTE, isRegion} from './measures.js';
+import {KIND_TITLES, MOST_LETTERS, MOST_MEASURES, MOST_NOTE, isRegion, through}
+  from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
 /** Number of points; of a path the least. @type {Record<string, number>} */
 const POINTS = {distance: 2, angle: 3, path: 2, ellipse: 2, rectangle: 2, note: 1};
+const MOST_POINTS = 10_000;  // Of a path.
 const MOST_SHOWN = 60;      // Letters of a wrong value in an error.
+const SLAB_KINDS = ['mean', 'max', 'min'];
 
 const isNumber = (/** @type {unknown} */ value) => Number.isFinite(value);
 const isText = (/** @type {unknown} */ value, /** @type {number} */ most) =>
@@ -31,13 +34,24 @@ export function checked(saved) {
       ? `there are ${saved.length} measurements, but at most ${MOST_MEASURES} are kept.`
       : errorOf(measure, list);
     if (error === '') {
-      list.push(measure);
+      list.push(cleaned(measure));
       return [];
     }
     const name = isText(each?.name, MOST_LETTERS) ? each.name : `number ${index + 1}`;
     return [`Measurement ${name} was left out: ${error}`];
   });
   return {list, errors};
+}
+
+/**
+ * A right measurement without fields that do not belong to its kind.
+ * @param {Measure} measure
+ * @returns {Measure}
+ */
+function cleaned({name, kind, points_mm, value, text, slice, values}) {
+  return isRegion(kind) ? {name, kind, points_mm, value, slice, values}
+    : kind === 'note' ? {name, kind, points_mm, value: 0, text}
+      : {name, ...through(kind, points_mm)};
 }
 
 /**
@@ -58,8 +72,8 @@ function errorOf(measure, before) {
   if (!Object.keys(KIND_TITLES).includes(kind)) {
     return needs('kind', kind, `one of ${Object.keys(KIND_TITLES).join(', ')}`);
   }
-  const isMany = Array.isArray(points_mm) && (kind === 'path' ? points_mm.length >= POINTS[kind]
-    : points_mm.length === POINTS[kind]);
+  const isMany = Array.isArray(points_mm) && points_mm.length <= MOST_POINTS
+    && (kind === 'path' ? points_mm.length >= POINTS[kind] : points_mm.length === POINTS[kind]);
   if (!isMany || !points_mm.every(isPoint)) {
     return needs('points_mm', points_mm, `a list of ${kind === 'path' ? 'at least ' : ''}`
       + `${POINTS[kind]} times 3 numbers`);
@@ -71,15 +85,36 @@ function errorOf(measure, before) {
     return needs('text', text, `a text with at most ${MOST_NOTE} letters`);
   }
   if (!isRegion(kind)) {
-    return slice === undefined && values === undefined ? ''
-      : needs('slice', slice ?? values, 'none for this kind');
+    return slice !== undefined || values !== undefined
+      ? needs('slice', slice ?? values, 'none for this kind')
+      : kind === 'note' ? '' : differenceOf(measure);
   }
   if (!['x', 'y', 'z'].includes(slice?.axis) || !Number.isInteger(slice.index) || slice.index < 0) {
     return needs('slice', slice, 'an axis x, y or z and an index of 0 or more');
   }
+  if (slice.slab_mm !== undefined && !(isNumber(slice.slab_mm) && slice.slab_mm >= 0
+    && SLAB_KINDS.includes(slice.slab_kind))) {
+    return needs('slice', slice, 'slab_mm of 0 or more and slab_kind mean, max or min');
+  }
   const wrong = ['voxels', 'mean', 'deviation', 'least', 'most'].find(field =>
     !isNumber(values?.[field]) && !(field === 'deviation' && values?.deviation === null));
   return wrong ? needs(`values.${wrong}`, values?.[wrong], 'a number') : '';
+}
+
+const ROUNDING = 1e-3;      // Share of a value by which a file may round it.
+
+/**
+ * How the value of a distance, an angle or a path differs from that of its points; empty if not.
+ * @param {Measure} measure
+ */
+function differenceOf({kind, points_mm, value}) {
+  try {
+    const own = through(kind, points_mm).value;
+    return Math.abs(own - value) <= ROUNDING * Math.max(own, 1) ? ''
+      : `value is ${shown(value)}, but its points give ${shown(own)}.`;
+  } catch (error) {
+    return /** @type {Error} */ (error).message;
+  }
 }
 
 /** @param {unknown} value */

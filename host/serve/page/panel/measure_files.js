@@ -17,18 +17,26 @@ const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'vo
   'slab_kind', 'text'];
 
 /**
+ * A text that a spreadsheet does not take for a formula. It may come from another person's session.
+ * @param {string} text
+ */
+function plainText(text) {
+  return /^[=+\-@\t\r]/.test(text) ? `'${text}` : text;
+}
+
+/**
  * One line per measurement, for spreadsheets. Voxels count from 0, as in the line below the slices.
  * @param {readonly Measure[]} measures
  * @param {{name: string, unit: string}} volume
  */
 export function csvOf(measures, volume) {
   const lines = measures.map(({name, kind, value, points_mm, slice, values, text}) => [
-    volume.name, name, kind, kind === 'note' ? '' : value, unitOf(kind),
+    plainText(volume.name), plainText(name), kind, kind === 'note' ? '' : value, unitOf(kind),
     points_mm.map(p => p.join(' ')).join('; '),
     ...slice ? [slice.axis, slice.index] : ['', ''],
     ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
       volume.unit] : ['', '', '', '', '', ''],
-    slice?.slab_mm ?? '', slice?.slab_kind ?? '', text ?? '']);
+    slice?.slab_mm ?? '', slice?.slab_kind ?? '', plainText(text ?? '')]);
   const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');

@@ -115,6 +115,8 @@ export class Measures {
      * @type {{undo: Change[], redo: Change[]}}
      */
     this.changed = {undo: [], redo: []};
+    /** Number of undos and redos so far. */
+    this.jumps = 0;
     /** @private */ this.count_ = 0;
     /** @private @type {Set<() => void>} */ this.watchers_ = new Set();
     /** The list before a drag. @private @type {Pick<Change, 'list' | 'title'> | null} */
@@ -227,19 +229,18 @@ export class Measures {
   }
 
   undo() {
+    this.jumps += 1;
     this.go_(this.changed.undo, this.changed.redo);
   }
 
   redo() {
+    this.jumps += 1;
     this.go_(this.changed.redo, this.changed.undo);
   }
 
-  /**
-   * A new step of the scene has taken the place of undone changes.
-   * @param {number} step
-   */
-  forgetBefore(step) {
-    this.changed.redo = this.changed.redo.filter(change => change.step >= step);
+  /** A new step of the scene has taken the place of undone changes. */
+  forgetUndone() {
+    this.changed.redo = [];
   }
 
   /** Removes all for good, because another volume is open. */

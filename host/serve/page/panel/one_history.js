@@ -19,6 +19,8 @@ export class OneHistory {
     /** @private */ this.measures_ = measures;
     /** Commands whose effect is not in the newest state. @private @type {Sent[]} */
     this.sent_ = [];
+    /** The step of the newest state. @private */
+    this.newest_ = 0;
     measures.clock = () => {
       if (!connection.watches) {
         connection.mark();  // A gesture must not join the one before the measurement.
@@ -26,9 +28,13 @@ export class OneHistory {
       return this.step_();
     };
     connection.on('lost', () => { this.sent_ = []; });
-    store.subscribe(['revision', 'step'], ({revision}) => {
+    store.subscribe(['revision', 'step'], ({revision, step}) => {
+      const isRedo = this.sent_.some(({by}) => by > 0);
       this.sent_ = this.sent_.filter(each => each.revision > revision);
-      measures.forgetBefore(this.step_());
+      if (step > this.newest_ && !isRedo) {
+        measures.forgetUndone();
+      }
+      this.newest_ = step;
     });
   }
 

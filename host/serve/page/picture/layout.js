@@ -25,21 +25,26 @@ export function placed(box, [width, height], areRows) {
 }
 
 /**
- * Gives a panel the shape of a picture while `act` runs, at least as large as it was.
+ * Gives a panel the shape of a picture while `act` runs, at least as large as it was. A hidden
+ * panel is shown meanwhile.
  * @param {number[]} pixels        Width and height of the picture.
  * @param {HTMLElement} panel
  * @param {() => void} act
  * @param {() => void} then        Called afterwards in any case, in the former shape.
  */
 export function inShapeOf([width, height], panel, act, then) {
+  const wasHidden = panel.hidden;
+  panel.hidden = false;
   const box = panel.getBoundingClientRect();
-  const scale = Math.min(width / box.width, height / box.height);
+  const scale = box.width > 0 && box.height > 0
+    ? Math.min(width / box.width, height / box.height) : 1;
   try {
     Object.assign(panel.style,
       {flex: 'none', width: `${width / scale}px`, height: `${height / scale}px`});
     act();
   } finally {
     Object.assign(panel.style, {flex: '', width: '', height: ''});
+    panel.hidden = wasHidden;
     then();
   }
 }

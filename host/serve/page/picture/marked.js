@@ -44,8 +44,8 @@ export async function marked(file, wish, view, shown, pixels) {
   const wasLight = view.overlay.classList.contains('on-light');
   view.overlay.classList.toggle('on-light', wish.isLight ?? wasLight);
   try {
-    // Marks of another shape have other places.
-    if (areAlike(pixels, [canvas.width, canvas.height])) {
+    // Marks of another shape have other places, and those of a hidden picture have none.
+    if (!view.stage.hidden && areAlike(pixels, [canvas.width, canvas.height])) {
       paint();
     } else {
       view.layOutAs(wish.eye, paint);

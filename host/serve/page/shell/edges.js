@@ -33,7 +33,14 @@ export function createEdges(app) {
     main?.classList.toggle('no-left', !left);
     main?.classList.toggle('no-right', !right);
     byId('panes').dataset.layout = name;
-    app.picture.stage.hidden = name === 'slices';
+    const {stage} = app.picture, assumed = byId('assumed');
+    stage.hidden = name === 'slices';
+    // The warning belongs to the slices, too.
+    if (stage.hidden) {
+      byId('panes').before(assumed);
+    } else if (assumed.parentElement !== stage) {
+      byId('overlay').after(assumed);
+    }
   });
 }
 

@@ -286,6 +286,9 @@ export class SliceMeasure {
     // A second press, of the key Enter, is the other corner.
     const isEnd = phase === 'release' || phase === 'press' && this.region_ !== null;
     if (phase === 'press' && !isEnd) {
+      if (!this.panel_.views().includes(view)) {
+        this.message_.fail('Regions are drawn on the other three slices.');
+      }
       this.region_ = slice && voxel &&
         {kind: this.points_.kind, voxels: [voxel, voxel], slice, text: ''};
     }

@@ -14,6 +14,25 @@ export function keepInSession(session, panel) {
     panel.look(panel.settings.look);
   });
   add('slabs', () => panel.slabs.slabs, slabs => panel.slabs.setSlabs(slabs));
-  add('oblique', () => panel.oblique.angles, angles => panel.oblique.setAngles(angles));
-  add('crosshair', () => panel.voxel, voxel => panel.point(voxel));
+  add('oblique', () => panel.oblique.angles, angles => {
+    need([angles?.tilt, angles?.turn], 2, angles);
+    panel.oblique.setAngles(angles);
+  });
+  add('crosshair', () => panel.voxel, voxel => {
+    need(voxel, 3, voxel);
+    panel.point(voxel);
+  });
+}
+
+/**
+ * @param {unknown} values
+ * @param {number} count
+ * @param {unknown} found  For the error.
+ * @throws {Error} unless the values are so many numbers
+ */
+function need(values, count, found) {
+  if (!Array.isArray(values) || values.length !== count || !values.every(Number.isFinite)) {
+    throw new Error(`it is ${JSON.stringify(found)?.slice(0, 60)}, `
+      + `but ${count} numbers are needed.`);
+  }
 }

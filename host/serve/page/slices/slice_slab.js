@@ -85,8 +85,17 @@ export class SlabControls {
     return this.slabs_;
   }
 
-  /** @param {Slab[]} slabs */
+  /**
+   * @param {Slab[]} slabs
+   * @throws {Error} if there is no slab for each plane
+   */
   setSlabs(slabs) {
+    const isSlab = (/** @type {any} */ each) => Number.isFinite(each?.mm) && each.mm >= 0
+      && each.mm <= MOST_MM && Object.hasOwn(SLAB_KINDS, each.kind);
+    if (!Array.isArray(slabs) || slabs.length !== this.slabs_.length || !slabs.every(isSlab)) {
+      throw new Error(`it is ${JSON.stringify(slabs).slice(0, 60)}, but ${this.slabs_.length} `
+        + `thicknesses of 0 to ${MOST_MM} mm with a kind are needed.`);
+    }
     this.slabs_ = slabs;
     this.tell_();
     this.changed_();

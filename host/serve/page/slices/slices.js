@@ -61,6 +61,7 @@ export class SlicesPanel {
     this.resting = undefined;
     this.visible = false;
     this.stale = true;
+    this.skew = 0;
     this.message = messageLine('slices-message');
     this.readout = new SliceReadout();
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
@@ -68,7 +69,10 @@ export class SlicesPanel {
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.oblique = new ObliquePane(app.connection,
       new SliceView('Oblique', this.events(PLANES.length)), {changed: () => this.cut(),
-        shown: slice => this.show(this.oblique.view, slice),
+        shown: slice => {
+          this.show(this.oblique.view, slice);
+          this.tell(PLANES.length, slice);
+        },
         failed: sentence => this.message.fail(sentence)});
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
     this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
@@ -268,16 +272,17 @@ export class SlicesPanel {
 
   /**
    * Reports where the slices differ from the scan.
-   * @param {number} number  Index of the plane.
+   * @param {number} number  Index of the plane; the oblique one is the last.
    * @param {import('./slice_pixels.js').Slice} slice
    */
-  tell(number, {contours, skew_deg = 0}) {
+  tell(number, {contours, skew_deg}) {
     this.leftOut[number] =
       contours.filter(({left_out}) => left_out).map(({surface}) => surface);
-    const left = PLANES.map((plane, each) => this.leftOut[each].length > 0
+    this.skew = skew_deg ?? this.skew;  // The oblique slice has none.
+    const left = [...PLANES, 'Oblique'].map((plane, each) => this.leftOut[each]?.length > 0
       ? `${plane}: too many lines. Contours of ${this.leftOut[each].join(', ')} are incomplete.`
       : '');
-    this.notes.textContent = [...left, differing(this.volume, skew_deg)].filter(Boolean).join(' ');
+    this.notes.textContent = [...left, differing(this.volume, this.skew)].filter(Boolean).join(' ');
   }
 
   /**

@@ -35,12 +35,20 @@ export class PageSession {
     return Object.fromEntries([...this.parts_].map(([name, {save}]) => [name, save()]));
   }
 
-  /** @param {Record<string, unknown>} saved */
+  /**
+   * @param {Record<string, unknown>} saved
+   * @returns {string[]} a sentence for each part that cannot be restored; the others are
+   */
   restore(saved) {
-    for (const [name, part] of this.parts_) {
-      if (saved[name] !== undefined && saved[name] !== null) {
-        part.restore(saved[name]);
+    return [...this.parts_].flatMap(([name, part]) => {
+      try {
+        if (saved[name] !== undefined && saved[name] !== null) {
+          part.restore(saved[name]);
+        }
+        return [];
+      } catch (error) {
+        return [`The session's ${name} was left out: ${/** @type {Error} */ (error).message}`];
       }
-    }
+    });
   }
 }

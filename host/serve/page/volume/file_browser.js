@@ -143,7 +143,10 @@ class FileBrowser {
   row_(entry, at) {
     return h('li', {role: 'option', id: `browse-${at}`, 'aria-selected': 'false',
       class: entry.is_folder ? 'folder' : 'file', 'data-testid': 'browse-entry',
-      onclick: () => {
+      onclick: (/** @type {MouseEvent} */ event) => {
+        if (event.detail > 1) {
+          return;  // After the first click, this row may be another folder's.
+        }
         this.choose_(at);
         if (entry.is_folder) {
           void this.enter_();
@@ -193,6 +196,7 @@ class FileBrowser {
     if (listing && listing.above !== null) {
       this.find_.value = '';
       if (await this.load_(listing.above)) {
+        this.acts_.pick(this.path_);
         this.choose_(this.listing_?.entries.findIndex(({path}) => path === from) ?? -1);
       }
     }

@@ -4,7 +4,7 @@ import {counted, short} from '../elements/numbers.js';
 import {saveAs} from '../elements/save_file.js';
 import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
-import {FREE, attempt, baseName, choice, eyeSize, numberInput, sizeChoice, wrongLine}
+import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, numberInput, sizeChoice, wrongLine}
   from './save_parts.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -14,8 +14,6 @@ const KINDS = /** @type {const} */ ([['turntable', 'Turntable'],
   ['sweep', 'Sweep of an isovalue']]);
 const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['1280x720', '1280 × 720'],
   ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'], [FREE, 'other size …']]);
-const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
-  ['1', '1 sample']]);
 const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
   ['black', 'black ground']]);
 const MOST_PICTURES = 10000;

@@ -8,6 +8,8 @@ import {sentenceOf} from '../panel/panel_parts.js';
 /** A side of a picture that the commands accept. */
 export const MOST_PX = LIMITS.max_user_picture_px;
 export const FREE = 'free';
+export const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
+  ['1', '1 sample']]);
 
 /**
  * The volume's name without characters that a file name cannot have.

@@ -7,7 +7,8 @@ import {saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
 import {placeWarning} from '../panel/volume_words.js';
-import {FREE, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine} from './save_parts.js';
+import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine}
+  from './save_parts.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
@@ -18,11 +19,10 @@ const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['2', 'twice'], 
   [FREE, 'other size …']]);
 const FORMATS = /** @type {const} */ ([['png', 'PNG'], ['tif', 'TIFF, no marks'],
   ['exr', 'OpenEXR, no marks']]);
-const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
-  ['1', '1 sample']]);
 const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
   ['transparent', 'transparent ground']]);
 const PNG = 'image/png';
+const LONGEST_DOWNLOAD_MS = 120_000;
 const SURFACES = 'Surfaces';
 const NO_CLIPBOARD = 'This browser copies pictures from pages of https:// or localhost only';
 
@@ -182,7 +182,12 @@ class PicturePart {
     if (!ok || !result?.download) {
       throw new Error(error ?? 'The picture was not drawn.');
     }
-    return (await fetch(address(result.download).href)).blob();
+    const response = await fetch(address(result.download).href,
+      {signal: AbortSignal.timeout(LONGEST_DOWNLOAD_MS)});
+    if (!response.ok) {
+      throw new Error(`The server answered ${response.status} instead of the picture. Save again.`);
+    }
+    return response.blob();
   }
 }
 

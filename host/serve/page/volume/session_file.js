@@ -46,7 +46,8 @@ export async function playSession(app, session, upload) {
   const line = session.script.split('\n').find(each => each.startsWith(PAGE));
   // The state comes after the reply, and a new volume resets the page's part.
   await store.until(['revision'], state => state.revision >= revision);
-  app.session.restore(line ? parsed(line.slice(PAGE.length)) : {});
+  const errors = app.session.restore(line ? parsed(line.slice(PAGE.length)) : {});
+  errors.forEach(each => toasts.error(each));
 }
 
 /**
