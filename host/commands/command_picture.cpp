@@ -148,6 +148,7 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
     const PictureSettings settings(session.scene, arguments);
     refuse_transparent(arguments, settings);
     PictureFiles files(session, arguments, 4, count);
+    files.set_swept({name, first, last});
     if (const std::optional<Surface> known = session.surfaces.find(name)) {
         session.surfaces.end_comparison(known->compared_with.empty() ? name : known->compared_with);
     }

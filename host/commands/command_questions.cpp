@@ -204,7 +204,7 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     reply.fields = slice_fields(frame, contours, hidden);
     if (wish) {
         const std::string words = slab_words(*wish, slab.range);
-        reply.text += fmt::format("\n{}, {:.6g} mm thick", words, wish->thickness_mm);
+        reply.text += fmt::format("\n{}, within {:.6g} mm", words, wish->thickness_mm);
         title += ", " + words;
         reply.fields.push_back({"slab", slab_fields(*wish, slab.range)});
     }

@@ -38,6 +38,12 @@ PictureFiles::PictureFiles(Session& session, const Arguments& arguments, std::si
             "{}: '{}' is no .webm or .gif and has no {{}} where the frame's number goes",
             arguments.name, pattern_));
     }
+    if ((is_animation_ || is_film_) && pattern_.find("{}") != std::string::npos) {
+        refuse_command(
+            fmt::format("{}: {} is one file, but has {{}} for the number of a picture. Leave {{}} "
+                        "out, or write a .png for each picture",
+                        arguments.name, pattern_));
+    }
     if (is_animation_ && count > max_animation_frames) {
         refuse_command(
             fmt::format("{}: {} frames are too many for {}, {} are the most. Write a .webm",
@@ -81,7 +87,7 @@ void PictureFiles::take(int index, const Picture& picture, const Camera& camera)
 /// The first picture decides the size of the film, which has both eyes in stereo.
 void PictureFiles::add_to_film(const Picture& picture) {
     if (!film_) {
-        const PictureExtras extras = animation_extras(session_);
+        const PictureExtras extras = animation_extras(session_, swept_);
         const std::string title = session_.volumes.has_volume() ? session_.volumes.volume().name
                                                                 : session_.volumes.archive()->file;
         film_.emplace(pattern_, film::FilmForm{picture.width, picture.height, rate_, title,
@@ -95,7 +101,7 @@ void PictureFiles::finish() {
         film_->keep();
         written_ = 1;
     } else if (is_animation_) {
-        PictureExtras extras = animation_extras(session_);
+        PictureExtras extras = animation_extras(session_, swept_);
         extras.delay_ms = static_cast<int>(delay_ms_);
         session_.exports.pictures(pictures_, pattern_, extras);
         written_ = 1;

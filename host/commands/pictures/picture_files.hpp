@@ -5,10 +5,12 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "host/base/command_descriptor.hpp"
 #include "host/base/reply.hpp"
+#include "host/commands/text/picture_text.hpp"
 #include "host/film/film.hpp"
 #include "host/session/session.hpp"
 
@@ -25,6 +27,8 @@ class PictureFiles {
     /// option belongs to another kind of file.
     PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count);
 
+    /// The pictures show a surface at several isovalues. Call this before take().
+    void set_swept(SweptSurface swept) { swept_ = std::move(swept); }
     void take(int index, const Picture& picture, const Camera& camera);
     /// Writes the animation or the end of the film, if it is one.
     void finish();
@@ -49,6 +53,7 @@ class PictureFiles {
     bool is_animation_ = false, is_film_ = false, is_blank_ = true;
     std::int64_t written_ = 0;
     std::vector<Picture> pictures_;
+    std::optional<SweptSurface> swept_;
     std::optional<film::Film> film_;
 };
 

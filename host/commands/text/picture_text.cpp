@@ -161,7 +161,8 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
 }
 
 /// The same in one line, for formats with one text only.
-std::string describe_scene(const Session& session, const Camera& camera) {
+std::string describe_scene(const Session& session, const Camera& camera,
+                           const std::optional<SweptSurface>& swept = {}) {
     const Scene& scene = session.scene;
     std::string text;
     if (const ArchiveFacts* archive = session.volumes.archive()) {
@@ -177,7 +178,10 @@ std::string describe_scene(const Session& session, const Camera& camera) {
         text += "; stereo " + stereo;
     }
     for (const Surface& surface : drawn_surfaces(scene)) {
-        text += fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
+        const bool is_swept = swept && swept->name == surface.name;
+        text += is_swept ? fmt::format("; surface {} isovalues {} to {}", surface.name,
+                                       swept->first, swept->last)
+                         : fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
     }
     if (!scene.clips.empty()) {
         text += "; clip " + clips_text(scene);
@@ -214,9 +218,9 @@ PictureExtras picture_extras(const Session& session, const Camera& camera, EyesI
     return extras;
 }
 
-PictureExtras animation_extras(const Session& session) {
+PictureExtras animation_extras(const Session& session, const std::optional<SweptSurface>& swept) {
     const Scene& scene = session.scene;
-    PictureExtras extras{describe_scene(session, scene.camera), {}, {}};
+    PictureExtras extras{describe_scene(session, scene.camera, swept), {}, {}};
     if (scene.overlay) {
         Overlay overlay;
         overlay.camera = scene.camera;
@@ -224,7 +228,15 @@ PictureExtras animation_extras(const Session& session) {
         overlay.size = scene.size;
         overlay.background = {scene.background.r, scene.background.g, scene.background.b};
         overlay.caption = caption_of(session);
-        overlay.legend = legend_of(scene.surfaces);
+        for (const Surface& surface : scene.surfaces) {
+            for (LegendLine& line : legend_of({&surface, 1})) {
+                if (swept && swept->name == surface.name) {
+                    line.text =
+                        fmt::format("{}  {:.6g} to {:.6g}", swept->name, swept->first, swept->last);
+                }
+                overlay.legend.push_back(std::move(line));
+            }
+        }
         overlay.letters = overlay.directions = false;
         extras.marks = overlay_marks(overlay);
         add_to_both(extras.marks, scene);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "host/base/reply.hpp"
@@ -20,8 +21,15 @@ enum class EyesInFile : std::uint8_t {
 PictureExtras picture_extras(const Session& session, const Camera& camera,
                              EyesInFile eyes = EyesInFile::composed);
 
-/// The same for an animation around the volume: its marks hold from every side.
-PictureExtras animation_extras(const Session& session);
+/// The surface whose isovalue differs between the pictures of an animation.
+struct SweptSurface {
+    std::string name;
+    double first = 0, last = 0;  ///< Isovalues.
+};
+
+/// The same for an animation: its marks hold from every side, and for all isovalues.
+PictureExtras animation_extras(const Session& session,
+                               const std::optional<SweptSurface>& swept = {});
 
 /// The reply of `load` and `info` for an archive.
 Reply describe_archive(const ArchiveFacts& content);
