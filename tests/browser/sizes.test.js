@@ -87,6 +87,11 @@ test('the warning of an assumed place is whole in windows of any size', async ()
     });
     assert.ok(seen, `${width} x ${height}: something lies over the warning`);
     await shoot(page, `assumed-${width}x${height}`);
+    await page.keyboard.press('0');
+    await page.getByTestId('stage').waitFor({ state: 'hidden' });
+    assert.ok(await warning.isVisible(), 'slices alone have the warning, too');
+    await page.keyboard.press('7');
+    await page.getByTestId('stage').waitFor();
     await page.evaluate(() => {
       const toast = document.createElement('div');
       toast.className = 'toast error';

@@ -121,6 +121,24 @@ test('a picture of another shape is the one that a page of this shape shows', as
   assert.deepEqual(await scene(), before);
 });
 
+test('a picture keeps its marks while slices alone are shown', async () => {
+  await settled(page);
+  const form = { size: 'free', free: [600, 600], marks: true, legend: true };
+  const [marked, bare] = [await saved(form), await saved({ ...form, marks: false, legend: false })];
+  const { different: usual } = await compared(marked.url, bare.url);
+  assert.ok(usual > 500, 'marks are visible');
+  await page.keyboard.press('0');
+  await byId('stage').waitFor({ state: 'hidden' });
+  const alone = await saved(form);
+  writeFileSync(path.join(shots, 'published-slices-alone.png'), alone.bytes);
+  assert.ok(await byId('stage').isHidden());
+  await page.keyboard.press('7');
+  await byId('stage').waitFor();
+  // The panel is smaller, so that letters are larger in the picture.
+  const { different } = await compared(alone.url, bare.url);
+  assert.ok(different > 0.9 * usual, `${different} pixels of marks, usually ${usual}`);
+});
+
 test('a picture of 1920 x 1080 has 16 samples, whatever the Renderers have room for', async () => {
   const before = await scene();
   const { bytes, size } = await saved({ size: '1920x1080', marks: true });
