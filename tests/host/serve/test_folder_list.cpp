@@ -78,7 +78,7 @@ TEST_CASE("a list has folders, then volumes, by name and number, and counts the 
     CHECK(shelf.list(shelf.scans / "ct")["above"] == fs::canonical(shelf.scans).string());
 }
 
-TEST_CASE("all files can be listed, and names searched; hidden ones stay hidden") {
+TEST_CASE("all files are listed, names are searched, hidden ones stay hidden") {
     const Shelf shelf;
     const std::string path = shelf.scans.string();
     CHECK(names(shelf.list({{"path", path}, {"all", true}})) ==
