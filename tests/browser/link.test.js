@@ -252,10 +252,8 @@ test('after a flood of input the newest state is shown, and never an older one a
   assert.equal(frames.at(-1).digest, shown.digest);
 
   // Another view and back: the same state is drawn again.
-  await say(raw, 'view 90 0');
-  await settled(page);
-  await say(raw, 'view 33 -12');
-  assert.equal((await settled(page)).digest, shown.digest);
+  await after(page, () => say(raw, 'view 90 0'));
+  assert.equal((await after(page, () => say(raw, 'view 33 -12'))).digest, shown.digest);
   await close();
 });
 
