@@ -53,7 +53,7 @@ WebmFile::WebmFile(const PartFile& file, const FilmForm& form) : file_(file) {
 
 WebmFile::~WebmFile() {
     if (output_ != nullptr) {
-        av_freep(&output_->buffer);  // FFmpeg may have replaced it.
+        av_freep(static_cast<void*>(&output_->buffer));  // FFmpeg may have replaced it.
         avio_context_free(&output_);
     }
     avformat_free_context(format_);
