@@ -64,9 +64,9 @@ test('the patient stands upright before the viewer, faces the viewer, at natural
 test('what is larger or smaller than a body is scaled, and the size is said', () => {
   const placement = new Placement(), head = { position: [0, 1.6, 0], turn: [0, 0, 0, 1] };
   for (const [radius_mm, magnification, text] of [[450, 2 / 3, '0.67 × natural size'],
-                                                  [20, 5, '5.0 × natural size'],
+                                                  [20, 5, '5 × natural size'],
                                                   [200, 1, 'natural size'],
-                                                  [5, 20, '20.0 × natural size']]) {
+                                                  [5, 20, '20 × natural size']]) {
     placement.home({ center_mm: [0, 0, 0], radius_mm }, head);
     assert.ok(Math.abs(placement.magnification - magnification) < 1e-9, `${radius_mm}`);
     assert.equal(sizeText(placement.magnification), text);

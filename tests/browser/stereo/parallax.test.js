@@ -167,7 +167,7 @@ test('the orientation of a phone turns the view; a touch makes it the middle', a
   await orient(40, 10, 0);
   const most = await turnedTo(phone.page, -6, -4);
   assert.ok(Math.abs(most.right) < 8.5 && Math.abs(most.up) < 5.5, 'a few degrees at most');
-  await phone.page.getByTestId('stage').tap();
+  await phone.page.getByTestId('stage').tap({ position: { x: 100, y: 200 } });
   await orient(40, 12, 1);
   assert.equal((await returned(phone.page)).digest, before.digest);
   await phone.close();
