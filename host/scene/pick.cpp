@@ -12,6 +12,7 @@
 
 #include "host/base/error.hpp"
 #include "host/scene/slice_places.hpp"
+#include "host/volume/scalar_types.hpp"
 #include "isa/contract/depth.hpp"
 
 namespace pxpl5::host {
@@ -87,22 +88,12 @@ double voxel_value(const Volume& volume, int x, int y, int z) {
     assert(x >= 0 && x < volume.nx && y >= 0 && y < volume.ny && z >= 0 && z < volume.nz);
     const auto index = [](int i) { return static_cast<std::size_t>(i); };
     const std::size_t at = (index(z) * index(volume.ny) + index(y)) * index(volume.nx) + index(x);
-    const auto read = [&]<typename T>(T value) {
+    return with_scalar(volume.type, [&]<typename T>(T*) {
+        T value{};
         assert((at + 1) * sizeof value <= volume.values.size());
         std::memcpy(&value, volume.values.data() + at * sizeof value, sizeof value);
         return static_cast<double>(value);
-    };
-    switch (volume.type) {
-        case Scalar::uint8:
-            return read(std::uint8_t{});
-        case Scalar::int16:
-            return read(std::int16_t{});
-        case Scalar::uint16:
-            return read(std::uint16_t{});
-        case Scalar::float32:
-            break;
-    }
-    return read(float{});
+    });
 }
 
 std::optional<Pick> pick(const PickView& view, int x, int y, const Volume& volume) {

@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "host/scene/slice_places.hpp"
+#include "host/volume/scalar_types.hpp"
 
 namespace pxpl5::host {
 
@@ -44,30 +45,6 @@ SlabRange slab_range(const Volume& volume, int axis, int index, double thickness
     return range;
 }
 
-template <class T>
-void SlabGather::add_values(const Slice& slice) {
-    T value{};
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-        std::memcpy(&value, slice.values.data() + i * sizeof value, sizeof value);
-        const auto number = static_cast<double>(value);
-        if (std::isnan(number)) {
-            continue;
-        }
-        double& so_far = values_[i];
-        switch (kind_) {
-            case SlabKind::mean:
-                so_far += number;
-                break;
-            case SlabKind::max:
-                so_far = std::max(so_far, number);
-                break;
-            case SlabKind::min:
-                so_far = std::min(so_far, number);
-        }
-        ++counts_[i];
-    }
-}
-
 void SlabGather::add(const Slice& slice) {
     if (values_.empty()) {
         slab_.frame = slice.frame;
@@ -81,18 +58,23 @@ void SlabGather::add(const Slice& slice) {
     }
     assert(slice.type == slab_.type &&
            slice.values.size() == values_.size() * size_bytes(slab_.type));
-    switch (slice.type) {
-        case Scalar::uint8:
-            add_values<std::uint8_t>(slice);
-            break;
-        case Scalar::int16:
-            add_values<std::int16_t>(slice);
-            break;
-        case Scalar::uint16:
-            add_values<std::uint16_t>(slice);
-            break;
-        case Scalar::float32:
-            add_values<float>(slice);
+    const std::vector<double> numbers = numbers_of(slice);
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (std::isnan(numbers[i])) {
+            continue;
+        }
+        double& so_far = values_[i];
+        switch (kind_) {
+            case SlabKind::mean:
+                so_far += numbers[i];
+                break;
+            case SlabKind::max:
+                so_far = std::max(so_far, numbers[i]);
+                break;
+            case SlabKind::min:
+                so_far = std::min(so_far, numbers[i]);
+        }
+        ++counts_[i];
     }
 }
 
@@ -116,19 +98,7 @@ Slice SlabGather::finish() {
     if (kind_ == SlabKind::mean) {
         slab_.type = Scalar::float32;
     }
-    switch (slab_.type) {
-        case Scalar::uint8:
-            write_values<std::uint8_t>();
-            break;
-        case Scalar::int16:
-            write_values<std::int16_t>();
-            break;
-        case Scalar::uint16:
-            write_values<std::uint16_t>();
-            break;
-        case Scalar::float32:
-            write_values<float>();
-    }
+    with_scalar(slab_.type, [this]<typename T>(T*) { write_values<T>(); });
     return std::move(slab_);
 }
 

@@ -30,8 +30,8 @@ struct SlabRange {
 /// index  0 .. voxels along the axis - 1 (asserted).
 SlabRange slab_range(const Volume& volume, int axis, int index, double thickness_mm);
 
-/// Computes a slab from its slices. Voxels are projected along the voxel axis, which is the normal
-/// of the slices unless the gantry was tilted.
+/// Computes a slab from its slices. Projects along the voxel axis. If the gantry was tilted, this
+/// axis is not perpendicular to the slices.
 class SlabGather {
   public:
     explicit SlabGather(SlabKind kind) : kind_(kind) {}
@@ -45,8 +45,6 @@ class SlabGather {
     Slice finish();
 
   private:
-    template <class T>
-    void add_values(const Slice& slice);
     template <class T>
     void write_values();
 

@@ -12,6 +12,7 @@
 #include "host/scene/overlay.hpp"
 #include "host/scene/slice_places.hpp"
 #include "host/volume/reduced.hpp"
+#include "host/volume/scalar_types.hpp"
 
 namespace pxpl5::host {
 
@@ -187,25 +188,13 @@ Slice slice_of_plane(const Volume& volume, int axis, std::span<const std::byte> 
 std::vector<double> numbers_of(const Slice& slice) {
     std::vector<double> numbers;
     numbers.reserve(slice.values.size() / size_bytes(slice.type));
-    const auto read = [&]<typename T>(T value) {
+    with_scalar(slice.type, [&]<typename T>(T*) {
+        T value{};
         for (std::size_t at = 0; at < slice.values.size(); at += sizeof value) {
             std::memcpy(&value, slice.values.data() + at, sizeof value);
             numbers.push_back(static_cast<double>(value));
         }
-    };
-    switch (slice.type) {
-        case Scalar::uint8:
-            read(std::uint8_t{});
-            break;
-        case Scalar::int16:
-            read(std::int16_t{});
-            break;
-        case Scalar::uint16:
-            read(std::uint16_t{});
-            break;
-        case Scalar::float32:
-            read(float{});
-    }
+    });
     return numbers;
 }
 

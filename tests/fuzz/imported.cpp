@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "host/io/import.hpp"
+#include "host/volume/scalar_types.hpp"
 #include "host/volume/volume_messages.hpp"
 #include "ringbus/ranges.hpp"
 
@@ -34,19 +35,7 @@ void check_volume(const Volume& volume) {
                 static_cast<std::size_t>(volume.nx) * static_cast<std::size_t>(volume.ny) *
                     static_cast<std::size_t>(volume.nz) * size_bytes(volume.type),
             "the number of values");
-    switch (volume.type) {
-        case Scalar::uint8:
-            check_range<std::uint8_t>(volume);
-            break;
-        case Scalar::int16:
-            check_range<std::int16_t>(volume);
-            break;
-        case Scalar::uint16:
-            check_range<std::uint16_t>(volume);
-            break;
-        default:
-            check_range<float>(volume);
-    }
+    host::with_scalar(volume.type, [&]<typename T>(T*) { check_range<T>(volume); });
     const bus::Payload header = host::volume_header(volume, 1);
     const std::string refused =
         bus::out_of_range(*bus::schema::GetMessage(header.bytes().data()), header.bytes().size());

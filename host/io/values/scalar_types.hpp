@@ -8,25 +8,9 @@
 #include <span>
 #include <type_traits>
 
-#include "host/volume/volume.hpp"
+#include "host/volume/scalar_types.hpp"
 
 namespace pxpl5::host::io {
-
-/// Calls `f` with a null pointer of the C++ type of `type`.
-template <typename F>
-auto with_scalar(Scalar type, F&& f) {
-    switch (type) {
-        case Scalar::uint8:
-            return f(static_cast<std::uint8_t*>(nullptr));
-        case Scalar::int16:
-            return f(static_cast<std::int16_t*>(nullptr));
-        case Scalar::uint16:
-            return f(static_cast<std::uint16_t*>(nullptr));
-        case Scalar::float32:
-            break;
-    }
-    return f(static_cast<float*>(nullptr));
-}
 
 /// Bytes as values. They begin at whole values of buffers from operator new, which aligns for all.
 template <typename T>
