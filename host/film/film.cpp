@@ -20,7 +20,7 @@ class Film::Parts {
 
     void add(std::span<const std::uint32_t> rgba) {
         const std::int64_t begin = time_of(pictures_), end = time_of(++pictures_);
-        const FilmEncoder::Packet packet = encoder_.encode(rgba, begin, end - begin);
+        const VideoPacket packet = encoder_.encode(rgba, begin, end - begin);
         webm_.add(packet.bytes, packet.is_key, begin, end - begin);
     }
     void keep() {

@@ -41,20 +41,12 @@ FilmEncoder::~FilmEncoder() {
     vpx_codec_destroy(&codec_);
 }
 
-FilmEncoder::Packet FilmEncoder::encode(std::span<const std::uint32_t> rgba, std::int64_t begin,
-                                        std::int64_t duration) {
+VideoPacket FilmEncoder::encode(std::span<const std::uint32_t> rgba, std::int64_t begin,
+                                std::int64_t duration) {
     image_.fill(rgba);
     check(vpx_codec_encode(&codec_, image_.get(), begin, static_cast<unsigned long>(duration), 0,
                            VPX_DL_GOOD_QUALITY));
-    Packet packet;
-    vpx_codec_iter_t next = nullptr;
-    while (const vpx_codec_cx_pkt_t* part = vpx_codec_get_cx_data(&codec_, &next)) {
-        if (part->kind == VPX_CODEC_CX_FRAME_PKT) {
-            packet.bytes.append(static_cast<const char*>(part->data.frame.buf),
-                                part->data.frame.sz);
-            packet.is_key = (part->data.frame.flags & VPX_FRAME_IS_KEY) != 0;
-        }
-    }
+    VideoPacket packet = take_packet(codec_);
     if (packet.bytes.empty()) {
         throw std::runtime_error("libvpx has left a picture out");
     }

@@ -5,7 +5,6 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 
 #include "host/film/film.hpp"
 #include "host/film/video_image.hpp"
@@ -18,11 +17,6 @@ inline constexpr int ticks_per_second = 1000;
 /// Encodes pictures as VP8, each at once.
 class FilmEncoder {
   public:
-    struct Packet {
-        std::string bytes;
-        bool is_key = false;
-    };
-
     /// Throws std::runtime_error with the encoder's reason.
     explicit FilmEncoder(const FilmForm& form);
     ~FilmEncoder();
@@ -30,7 +24,8 @@ class FilmEncoder {
     FilmEncoder& operator=(const FilmEncoder&) = delete;
 
     /// Encodes a picture that is shown from `begin` for `duration` ticks.
-    Packet encode(std::span<const std::uint32_t> rgba, std::int64_t begin, std::int64_t duration);
+    VideoPacket encode(std::span<const std::uint32_t> rgba, std::int64_t begin,
+                       std::int64_t duration);
 
   private:
     void check(vpx_codec_err_t result);

@@ -98,4 +98,17 @@ void VideoImage::fill(std::span<const std::uint32_t> rgba) {
     }
 }
 
+VideoPacket take_packet(vpx_codec_ctx_t& codec) {
+    VideoPacket packet;
+    vpx_codec_iter_t next = nullptr;
+    while (const vpx_codec_cx_pkt_t* part = vpx_codec_get_cx_data(&codec, &next)) {
+        if (part->kind == VPX_CODEC_CX_FRAME_PKT) {
+            packet.bytes.append(static_cast<const char*>(part->data.frame.buf),
+                                part->data.frame.sz);
+            packet.is_key = (part->data.frame.flags & VPX_FRAME_IS_KEY) != 0;
+        }
+    }
+    return packet;
+}
+
 }  // namespace pxpl5::host::film

@@ -1,10 +1,12 @@
-// A picture as encoders of video take it.
+// A picture as encoders of video take it, and what they make of it.
 #pragma once
 
+#include <vpx/vpx_encoder.h>
 #include <vpx/vpx_image.h>
 
 #include <cstdint>
 #include <span>
+#include <string>
 
 namespace pxpl5::host::film {
 
@@ -25,5 +27,14 @@ class VideoImage {
   private:
     vpx_image_t image_{};
 };
+
+/// An encoded picture.
+struct VideoPacket {
+    std::string bytes;  ///< Empty if the encoder has left the picture out.
+    bool is_key = false;
+};
+
+/// Takes the encoded picture from an encoder that delays none.
+VideoPacket take_packet(vpx_codec_ctx_t& codec);
 
 }  // namespace pxpl5::host::film

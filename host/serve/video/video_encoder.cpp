@@ -8,6 +8,7 @@
 #include <cassert>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "host/film/video_image.hpp"
 
@@ -77,19 +78,11 @@ class VideoEncoder::Codec {
         check(vpx_codec_encode(&codec_, image_.get(), frames_, 1,
                                frames_ == 0 ? VPX_EFLAG_FORCE_KF : 0, VPX_DL_REALTIME));
         ++frames_;
-        Frame frame;
-        vpx_codec_iter_t next = nullptr;
-        while (const vpx_codec_cx_pkt_t* packet = vpx_codec_get_cx_data(&codec_, &next)) {
-            if (packet->kind == VPX_CODEC_CX_FRAME_PKT) {
-                frame.bytes.append(static_cast<const char*>(packet->data.frame.buf),
-                                   packet->data.frame.sz);
-                frame.is_key = (packet->data.frame.flags & VPX_FRAME_IS_KEY) != 0;
-            }
-        }
-        if (frame.bytes.empty()) {
+        film::VideoPacket packet = film::take_packet(codec_);
+        if (packet.bytes.empty()) {
             throw std::runtime_error("cannot encode a video: libvpx has left a picture out");
         }
-        return frame;
+        return {std::move(packet.bytes), packet.is_key};
     }
 
   private:
