@@ -103,9 +103,15 @@ void CommandOptions::add_value(const std::string& name, const std::string& value
         target->options[name] = value;
         return;
     }
+    const Command* snapshot = known_command(table_, "snapshot");
+    if (snapshot != nullptr && has_stage(*snapshot) && find_option(*snapshot, name) != nullptr) {
+        commands.push_back({"snapshot", {}, {{name, value}}});  // Its file is that of `render`.
+        return;
+    }
     for (const Command& each : table_) {
         if (has_stage(each) && find_option(each, name) != nullptr) {
-            if (each.required > 0 && each.name != "surface" && each.stage == RenderStage::scene) {
+            if (each.required > 0 && each.name != "surface" &&
+                (each.stage == RenderStage::scene || each.stage == RenderStage::output)) {
                 refuse_command(fmt::format("--{} needs --{} {} before it", name, each.name,
                                            each.words.front().form));
             }
@@ -240,7 +246,11 @@ std::vector<Arguments> render_commands(const RenderRequest& request, CommandTabl
     if (fits) {
         all.push_back({"view", {}, {{"fit", "yes"}}});
     }
-    all.push_back({"snapshot", {request.output}, {}});
+    const auto snapshot = std::ranges::find(named, "snapshot", &Arguments::name);
+    all.push_back(
+        {"snapshot",
+         {request.output},
+         snapshot == named.end() ? std::map<std::string, std::string>() : snapshot->options});
     of_stage(RenderStage::output, all);
     for (const Arguments& each : all) {
         check_arguments(find_command(each.name, table), each);

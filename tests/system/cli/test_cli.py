@@ -379,16 +379,6 @@ class Cli(unittest.TestCase):
             self.assertIn("p." + suffix + ": cannot be written", done.stderr)
             self.assertEqual(os.listdir(self.path("pictures")), [])
 
-    def test_a_film_of_a_sweep_names_all_its_isovalues(self):
-        film = self.path("sweep.webm")
-        scene = "load phantom:sphere; surface s iso=0; size 64x64; sweep s -300 400.5 3"
-        done = self.pxpl5("run", "-c", f"{scene} '{film}'")
-        self.assertEqual(done.returncode, 0, done)
-        self.assertIn(b"surface s isovalues -300 to 400.5", pathlib.Path(film).read_bytes())
-        done = self.pxpl5("run", "-c", f"{scene} '{self.path('n-{}.gif')}'")
-        self.assertEqual(done.returncode, 64, done)
-        self.assertIn("is one file, but has {}", done.stderr)
-
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)

@@ -200,6 +200,34 @@ class Files(unittest.TestCase):
         self.assertAlmostEqual(results[3]["volume_ml"] / results[1]["volume_ml"], 1, delta=0.03)
         self.assertEqual(results[4]["dims"], [20, 20, 20])
 
+    def ends(self, *arguments):
+        """The program's end for a machine of one node of each kind."""
+        return subprocess.run(
+            [BIN / "pxpl5", *arguments, "--topology", "one-of-each", "--run-folder",
+             self.path("run")],
+            capture_output=True, text=True, timeout=LIMIT_S, cwd=self.folder.name, check=False)
+
+    def test_render_gives_the_options_of_a_picture_to_its_picture(self):
+        pictures = []
+        for name, options in (("plain.png", []), ("bare.png", ["--ground", "transparent"])):
+            done = self.ends("render", "phantom:sphere", *options, "-o", name)
+            self.assertEqual(done.returncode, 0, done)
+            pictures.append(pathlib.Path(self.path(name)).read_bytes())
+        self.assertNotEqual(*pictures)
+        done = self.ends("render", "phantom:sphere", "--rate", "5", "-o", "x.png")
+        self.assertEqual(done.returncode, 64, done)
+        self.assertIn("--rate needs --orbit N before it", done.stderr)
+
+    def test_a_film_of_a_sweep_names_all_its_isovalues(self):
+        scene = "load phantom:sphere; surface s iso=0; size 64x64; sweep s -300 400.5 3"
+        done = self.ends("run", "-c", f"{scene} sweep.webm")
+        self.assertEqual(done.returncode, 0, done)
+        self.assertIn(b"surface s isovalues -300 to 400.5",
+                      pathlib.Path(self.path("sweep.webm")).read_bytes())
+        done = self.ends("run", "-c", f"{scene} n-{{}}.gif")
+        self.assertEqual(done.returncode, 64, done)
+        self.assertIn("is one file, but has {}", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()
