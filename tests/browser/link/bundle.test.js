@@ -60,7 +60,7 @@ test('the source map leads from the bundle to the modules', async () => {
   await opened.close();
 });
 
-test('a module is sent as it is written, and nobody keeps it', async () => {
+test('modules are sent unchanged and are not cached', async () => {
   const opened = await openPage(browser, server.url);
   const [plain, bundled, other] = await opened.page.evaluate(async () => {
     const get = async name => {

@@ -127,9 +127,12 @@ test('a picture keeps its marks while slices alone are shown', async () => {
   const [marked, bare] = [await saved(form), await saved({ ...form, marks: false, legend: false })];
   const { different: usual } = await compared(marked.url, bare.url);
   assert.ok(usual > 500, 'marks are visible');
+  const same = { marks: true, legend: true };  // In the size on the screen, which has own marks.
+  const [asShown, plain] = [await saved(same), await saved({})];
+  const { different: usualAsShown } = await compared(asShown.url, plain.url);
   await page.keyboard.press('0');
   await byId('stage').waitFor({ state: 'hidden' });
-  const alone = await saved(form);
+  const [alone, aloneAsShown] = [await saved(form), await saved(same)];
   writeFileSync(path.join(shots, 'published-slices-alone.png'), alone.bytes);
   assert.ok(await byId('stage').isHidden());
   await page.keyboard.press('7');
@@ -137,6 +140,10 @@ test('a picture keeps its marks while slices alone are shown', async () => {
   // The panel is smaller, so that letters are larger in the picture.
   const { different } = await compared(alone.url, bare.url);
   assert.ok(different > 0.9 * usual, `${different} pixels of marks, usually ${usual}`);
+  assert.deepEqual(aloneAsShown.size, plain.size);
+  const { different: own } = await compared(aloneAsShown.url, plain.url);
+  assert.ok(own > 0.9 * usualAsShown && own < 3 * usualAsShown,
+            `${own} pixels of marks, usually ${usualAsShown}`);
 });
 
 test('a picture of 1920 x 1080 has 16 samples, whatever the Renderers have room for', async () => {

@@ -165,7 +165,7 @@ test('a wrong measurement of a session is named with its field, and the others a
     [{name: ''}, /number 2 was left out: name is ""/],
     [{name: '1'}, /Measurement 1 .*name is "1"/],
     [{kind: 'volume'}, /Measurement 2 .*kind is "volume", but one of distance, angle/],
-    [{points_mm: [[0, 0, 0]]}, /points_mm is \[\[0,0,0\]\], but a list of 2 times 3 numbers/],
+    [{points_mm: [[0, 0, 0]]}, /points_mm is \[\[0,0,0\]\], but a list of 2 points with 3 numbers/],
     [{points_mm: [[0, 0, 0], [0, '3', 4]]}, /points_mm/],
     [{points_mm: {length: 2}}, /points_mm is \{"length":2\}/],
     [{value: '5'}, /value is "5", but a number/],

@@ -6,6 +6,7 @@ import test from 'node:test';
 import {counted, duration, grouped, percent, rewritten, short, significant}
   from '../../../host/serve/page/elements/numbers.js';
 import {hashOf, stepOf} from '../../../host/serve/page/tour/address.js';
+import {candidates} from '../../../host/serve/page/tour/find_pixel.js';
 import {depthOf} from '../../../host/serve/page/tour/tree.js';
 
 test('numbers have commas, a point, and no minus before zero', () => {
@@ -77,4 +78,12 @@ test('a depth that the machine computed in another way is not explained', () => 
   assert.equal(depthOf(visitWith('TREEintoMEM m8:24 >>8  3 -5 4166', 17), {x: 10, y: 20}), null);
   assert.equal(depthOf(visitWith('CONSTintoMEM m8:24  16', 16), {x: 10, y: 20}), null);
   assert.equal(depthOf({writes: []}, {x: 0, y: 0}), null);
+});
+
+test('candidates for the pixel are places without the background, the middle first', () => {
+  const [width, height] = [48, 48], data = new Uint8ClampedArray(4 * width * height);
+  for (const [x, y] of [[2, 40], [26, 22]]) data.set([200, 180, 160, 255], 4 * (y * width + x));
+  data.set([20, 20, 20, 255], 4 * (24 * width + 24));  // Nearly the background.
+  const found = candidates({ width, height, data }, [0, 0, 0]).map(({ x, y }) => [x, y]);
+  assert.deepEqual(found, [[26, 22], [2, 40]]);
 });

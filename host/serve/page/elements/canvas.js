@@ -60,6 +60,15 @@ export async function pngOf(canvas) {
 }
 
 /**
+ * Whether two sizes have the same proportions, but for a pixel of the larger one.
+ * @param {number[]} a
+ * @param {number[]} b
+ */
+export function areAlike([width, height], [across, down]) {
+  return Math.abs(width * down - height * across) <= Math.max(width, height, across, down);
+}
+
+/**
  * The value of a custom property of the style sheet at an element.
  * @param {Element} element
  * @param {string} name  '--...'

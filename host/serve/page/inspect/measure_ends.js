@@ -11,6 +11,7 @@ import {sentenceOf} from '../panel/panel_parts.js';
 
 const MOUSE_REACH = 9, FINGER_REACH = 22;   // CSS pixels.
 const NOWHERE = 'There is no surface. The end is back in its place.';
+const OUTSIDE = 'The pointer is outside of the picture. The end is back in its place.';
 
 /**
  * How far from an end a pointer grabs it.
@@ -109,7 +110,7 @@ export class MeasureEnds {
         const place = this.app_.picture.placeAt(event);
         this.moved_ = this.moved_.then(async () => {
           const pixel = place && this.app_.picture.pixelOf(place);
-          const sentence = pixel ? await this.put_(held.name, held.end, pixel) : NOWHERE;
+          const sentence = pixel ? await this.put_(held.name, held.end, pixel) : OUTSIDE;
           if (sentence) {
             this.message_.fail(sentence);
           }

@@ -1,13 +1,13 @@
 // Checks the measurements of a session's file, which anybody may have written.
-import {KIND_TITLES, MOST_LETTERS, MOST_MEASURES, MOST_NOTE, isRegion, through}
+import {counted} from '../elements/numbers.js';
+import {KIND_TITLES, MOST_LETTERS, MOST_MEASURES, MOST_NOTE, POINTS, isRegion, through}
   from './measures.js';
+import {shown} from './panel_parts.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
-/** Number of points; of a path the least. @type {Record<string, number>} */
-const POINTS = {distance: 2, angle: 3, path: 2, ellipse: 2, rectangle: 2, note: 1};
+const LEAST_OF_PATH = 2;     // Points.
 const MOST_POINTS = 10_000;  // Of a path.
-const MOST_SHOWN = 60;      // Letters of a wrong value in an error.
 const SLAB_KINDS = ['mean', 'max', 'min'];
 
 const isNumber = (/** @type {unknown} */ value) => Number.isFinite(value);
@@ -72,11 +72,13 @@ function errorOf(measure, before) {
   if (!Object.keys(KIND_TITLES).includes(kind)) {
     return needs('kind', kind, `one of ${Object.keys(KIND_TITLES).join(', ')}`);
   }
+  const isPath = kind === 'path';
+  const count = isPath ? LEAST_OF_PATH : POINTS[/** @type {keyof typeof POINTS} */ (kind)];
   const isMany = Array.isArray(points_mm) && points_mm.length <= MOST_POINTS
-    && (kind === 'path' ? points_mm.length >= POINTS[kind] : points_mm.length === POINTS[kind]);
+    && (isPath ? points_mm.length >= count : points_mm.length === count);
   if (!isMany || !points_mm.every(isPoint)) {
-    return needs('points_mm', points_mm, `a list of ${kind === 'path' ? 'at least ' : ''}`
-      + `${POINTS[kind]} times 3 numbers`);
+    return needs('points_mm', points_mm,
+      `a list of ${isPath ? 'at least ' : ''}${counted(count, 'point')} with 3 numbers each`);
   }
   if (!isNumber(value) || value < 0) {
     return needs('value', value, 'a number of 0 or more');
@@ -115,10 +117,4 @@ function differenceOf({kind, points_mm, value}) {
   } catch (error) {
     return /** @type {Error} */ (error).message;
   }
-}
-
-/** @param {unknown} value */
-function shown(value) {
-  const text = JSON.stringify(value) ?? 'missing';
-  return text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text;
 }

@@ -35,7 +35,7 @@ export const MOST_NOTE = 200;   // Letters.
 const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 
 /** How many points end a measurement; a path ends when the user says so. */
-const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, note: 1};
+export const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, note: 1};
 const ORDINALS = ['first', 'second', 'third'];
 
 /** @type {Record<Kind, string>} */
@@ -219,7 +219,7 @@ export class Measures {
     }
   }
 
-  /** Ends a drag: the points are the ones before it. */
+  /** Ends a drag: the points from before the drag return. */
   putBack() {
     if (this.held_) {
       const {list} = this.held_;
@@ -366,7 +366,7 @@ export function angleOf([a, vertex, b]) {
  */
 export function valuesOf(values) {
   if (values.length === 0) {
-    throw new Error('The region holds the middle of no voxel. Draw a larger region.');
+    throw new Error('The region contains no voxel center. Draw a larger region.');
   }
   const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
   const squares = values.reduce((sum, value) => sum + (value - mean) ** 2, 0);

@@ -118,3 +118,14 @@ export function modeButton(app, {name, title, hint, testid, click, leave}) {
 export function sentenceOf(error) {
   return error instanceof Error ? error.message : String(error);
 }
+
+const MOST_SHOWN = 60;      // Letters of a wrong value in an error.
+
+/**
+ * A wrong value as an error shows it.
+ * @param {unknown} value
+ */
+export function shown(value) {
+  const text = JSON.stringify(value) ?? 'missing';
+  return text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text;
+}

@@ -3,7 +3,8 @@
 const MOST_MARGIN_PX = 4;
 
 /**
- * Fits a picture into its panel, whole. Alternate rows are shown pixel by pixel in any case.
+ * Scales a picture so that all of it fits into its panel. Alternate rows are shown pixel by pixel
+ * in any case.
  * @param {DOMRect} box            Of the panel.
  * @param {number[]} pixels        Width and height of the picture.
  * @param {boolean} areRows        Whether each row of the picture is one of the screen.
@@ -29,15 +30,16 @@ export function placed(box, [width, height], areRows) {
  * panel is shown meanwhile.
  * @param {number[]} pixels        Width and height of the picture.
  * @param {HTMLElement} panel
+ * @param {number[]} former        Size of the picture that a hidden panel had, pixels.
  * @param {() => void} act
  * @param {() => void} then        Called afterwards in any case, in the former shape.
  */
-export function inShapeOf([width, height], panel, act, then) {
-  const wasHidden = panel.hidden;
+export function inShapeOf([width, height], panel, former, act, then) {
+  const wasHidden = panel.hidden, box = panel.getBoundingClientRect();
+  const [across, down] = wasHidden ? former.map(each => each / devicePixelRatio)
+    : [box.width, box.height];
+  const scale = Math.min(width / across, height / down);
   panel.hidden = false;
-  const box = panel.getBoundingClientRect();
-  const scale = box.width > 0 && box.height > 0
-    ? Math.min(width / box.width, height / box.height) : 1;
   try {
     Object.assign(panel.style,
       {flex: 'none', width: `${width / scale}px`, height: `${height / scale}px`});

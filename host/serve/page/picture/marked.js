@@ -1,5 +1,5 @@
 // A saved picture with the marks that are on the screen.
-import {pngOf} from '../elements/canvas.js';
+import {areAlike, pngOf} from '../elements/canvas.js';
 import {paintLegend} from '../elements/legend.js';
 import {withTexts} from './png_text.js';
 import {paintSvg} from './svg_paint.js';
@@ -13,15 +13,6 @@ import {paintSvg} from './svg_paint.js';
  * @property {boolean} marks
  * @property {LegendLine[]} legend
  */
-
-/**
- * Whether two sizes have the same proportions, but for a pixel of the larger one.
- * @param {number[]} a
- * @param {number[]} b
- */
-function areAlike([width, height], [across, down]) {
-  return Math.abs(width * down - height * across) <= Math.max(width, height, across, down);
-}
 
 /**
  * The picture of a file with the marks that are on the screen.

@@ -218,7 +218,7 @@ export class PictureView {
 
   /**
    * Lays out what is over the picture as for a picture of another size, of the view of the state,
-   * while `act` runs. The screen shows nothing of it.
+   * while `act` runs. The screen does not change.
    * @param {number[]} eye  Size of one eye's picture.
    * @param {() => void} act
    */
@@ -231,7 +231,7 @@ export class PictureView {
       this.camera = camera;
       this.changed_();
     };
-    inShapeOf(this.wholeSize(eye), this.stage, () => {
+    inShapeOf(this.wholeSize(eye), this.stage, this.pixels_(), () => {
       show(eye, state && cameraAt(state.camera, state.camera, eye[0] / eye[1]));
       act();
     }, () => show(null, before));

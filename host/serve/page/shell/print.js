@@ -1,6 +1,6 @@
 // A printed page has picture and slices, and these lists: surfaces with values, measurements.
 import {byId, h} from '../elements/dom.js';
-import {plain} from '../link/lines.js';
+import {percent, short} from '../elements/numbers.js';
 import {KIND_TITLES, measureText} from '../panel/measures.js';
 import {slabNote, valuesText} from '../panel/measure_words.js';
 
@@ -16,8 +16,8 @@ export function createPrint(app) {
       const swatch = h('i', {class: 'swatch'});
       swatch.style.backgroundColor = each.color;
       return h('li', {class: 'row'}, swatch, h('b', {}, each.name),
-        `isovalue ${plain(each.isovalue, 4)} ${unit()}`.trim(),
-        each.opacity < 1 && `, opacity ${Math.round(each.opacity * 100)} %`);
+        `isovalue ${short(each.isovalue, 3)} ${unit()}`.trim(),
+        each.opacity < 1 && `, opacity ${percent(each.opacity)}`);
     }));
   });
   app.measures.watch(() => {

@@ -230,7 +230,8 @@ export class SliceMeasure {
     if (!view || !to || !isShown) {
       this.message_.fail(LATER);
     } else if (!view.isInside(to)) {
-      this.message_.fail('The end is at the edge of the slice.');
+      this.message_.fail(`The end of measurement ${measure.name} is at the edge of the slice, and `
+        + 'cannot move further.');
     } else {
       this.put_(view, volume, measure, end, to);
       this.panel_.point(to);

@@ -1,5 +1,5 @@
 // A slice as a picture for a file.
-import {contextOf, unitOf} from '../elements/canvas.js';
+import {areAlike, contextOf, unitOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {significant} from '../elements/numbers.js';
 import {paintSlice} from './slice_paint.js';
@@ -34,8 +34,7 @@ export function pictureOf(shown, {size: [width, height], ground, marks}) {
   }
   const canvas = h('canvas', {width, height}), context = contextOf(canvas);
   const {clientWidth: across, clientHeight: down} = shown.canvas;
-  const isMultiple = Math.abs(width * down - height * across) <= Math.max(width, height);
-  const scale = isMultiple ? width / across
+  const scale = areAlike([width, height], [across, down]) ? width / across
     : Math.min(width, height) / Math.max(Math.min(across, down), LEAST_SIDE);
   if (ground !== 'transparent') {
     context.fillStyle = ground || getComputedStyle(shown.canvas).backgroundColor;

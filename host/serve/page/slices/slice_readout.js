@@ -26,7 +26,7 @@ export class SliceReadout {
    * @param {{plane: string, view: import('./slice_view.js').SliceView}[]} views
    * @param {object} at
    * @param {import('./slice_input.js').Under | null} at.under
-   * @param {number} at.number        The view with the pointer; behind the last is the oblique one.
+   * @param {number} at.number        The view with the pointer; the oblique one follows the last.
    * @param {Vector} at.crosshair
    */
   show(volume, views, {under, number, crosshair}) {

@@ -1,4 +1,5 @@
 // Keeps the settings of the slices in saved sessions.
+import {shown} from '../panel/panel_parts.js';
 
 /**
  * @param {import('../panel/app.js').App['session']} session
@@ -32,7 +33,6 @@ export function keepInSession(session, panel) {
  */
 function need(values, count, found) {
   if (!Array.isArray(values) || values.length !== count || !values.every(Number.isFinite)) {
-    throw new Error(`it is ${JSON.stringify(found)?.slice(0, 60)}, `
-      + `but ${count} numbers are needed.`);
+    throw new Error(`it is ${shown(found)}, but ${count} numbers are needed.`);
   }
 }

@@ -1,7 +1,7 @@
 // Slabs: how thick each slice is shown, and what of the slab's voxels.
 import {h} from '../elements/dom.js';
 import {counted} from '../elements/numbers.js';
-import {numberField} from '../panel/panel_parts.js';
+import {numberField, shown} from '../panel/panel_parts.js';
 
 /** @typedef {'max' | 'mean' | 'min'} SlabKind */
 /** @typedef {{mm: number, kind: SlabKind}} Slab  0 mm: a single slice. */
@@ -11,8 +11,6 @@ import {numberField} from '../panel/panel_parts.js';
  *   ShownSlab
  */
 
-/** @type {Record<SlabKind, string>} */
-export const SLAB_KINDS = {max: 'maximum (MIP)', mean: 'mean', min: 'minimum'};
 /** @type {Record<SlabKind, string>} */
 const WORDS = {max: 'maximum', mean: 'mean', min: 'minimum'};
 const MOST_MM = 1e6;  // As the host's limit of places.
@@ -44,7 +42,8 @@ export class SlabControls {
     /** @private */
     this.kind_ = h('select', {'aria-label': 'What the slab shows', 'data-testid': 'slab-kind',
       onchange: () => this.set_({kind: /** @type {SlabKind} */ (this.kind_.value)})},
-    ...Object.entries(SLAB_KINDS).map(([value, title]) => h('option', {value}, title)));
+    ...Object.entries(WORDS).map(([value, word]) =>
+      h('option', {value}, value === 'max' ? `${word} (MIP)` : word)));
     /** @private */
     this.plane_ = h('select', {'aria-label': 'Slices that are slabs', 'data-testid': 'slab-plane',
       onchange: () => this.tell_()}, h('option', {value: ALL}, 'all slices'),
@@ -91,9 +90,9 @@ export class SlabControls {
    */
   setSlabs(slabs) {
     const isSlab = (/** @type {any} */ each) => Number.isFinite(each?.mm) && each.mm >= 0
-      && each.mm <= MOST_MM && Object.hasOwn(SLAB_KINDS, each.kind);
+      && each.mm <= MOST_MM && Object.hasOwn(WORDS, each.kind);
     if (!Array.isArray(slabs) || slabs.length !== this.slabs_.length || !slabs.every(isSlab)) {
-      throw new Error(`it is ${JSON.stringify(slabs).slice(0, 60)}, but ${this.slabs_.length} `
+      throw new Error(`it is ${shown(slabs)}, but ${this.slabs_.length} `
         + `thicknesses of 0 to ${MOST_MM} mm with a kind are needed.`);
     }
     this.slabs_ = slabs;

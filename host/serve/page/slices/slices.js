@@ -130,7 +130,7 @@ export class SlicesPanel {
   }
 
   /**
-   * @param {number} number  Index of the plane; behind the last one is the oblique slice.
+   * @param {number} number  Index of the plane; the oblique slice follows the last.
    * @returns {import('./slice_input.js').Events}
    */
   events(number) {

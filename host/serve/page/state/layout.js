@@ -72,7 +72,7 @@ function kept() {
 }
 
 /**
- * What is usable of an arrangement from a file or from the storage.
+ * The valid fields of an arrangement from a file or from the storage, and defaults for others.
  * @param {any} saved
  * @returns {Arrangement}
  */

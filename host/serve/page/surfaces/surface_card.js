@@ -256,7 +256,7 @@ export class SurfaceCard {
     const [first, ...rest] = (reply.text ?? '').split('\n');
     this.certificate_.replaceChildren(h('details', {},
       h('summary', {}, h('span', {class: isSound ? 'seal good' : 'seal bad'},
-        isSound ? '✓ sound' : '✗ defects'), ` ${first.replace(/^[^:]*:\s*/, '')}`),
+        isSound ? '✓ sound' : '✗ defects'), ` ${rewritten(first.replace(/^[^:]*:\s*/, ''))}`),
       h('p', {class: 'muted report'}, rewritten(rest.map(line => line.trim()).join('\n')))));
   }
 

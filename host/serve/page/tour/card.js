@@ -1,5 +1,5 @@
 // The card of the tour: the step's text, links to all steps, and buttons.
-import {byId, h, setText} from '../elements/dom.js';
+import {byId, h, setText, update} from '../elements/dom.js';
 import {STEP_COUNT, hashOf} from './address.js';
 import {STEPS} from './texts.js';
 
@@ -64,10 +64,7 @@ export class Card {
     this.back_.disabled = step === 1;
     this.links_.forEach((link, index) => {
       link.href = hashOf(index + 1, pixel);
-      link.toggleAttribute('aria-current', index + 1 === step);
-      if (index + 1 === step) {
-        link.setAttribute('aria-current', 'step');
-      }
+      update(link, {'aria-current': index + 1 === step ? 'step' : null});
     });
   }
 

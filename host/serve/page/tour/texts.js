@@ -1,4 +1,4 @@
-// The texts of the six steps. Each text is made of the facts that the machine has told.
+// The texts of the six steps. Each text uses the machine's answers.
 import {counted, duration, grouped, percent, short, significant} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
 import {cellOf, evaluationOf, regionsOf, sentPixels, shownOf, triangleCount} from './facts.js';

@@ -135,7 +135,7 @@ class Tour {
     }
   }
 
-  /** Nothing waits without a deadline. */
+  /** Reports an error if no answer arrives within DEADLINE_MS. */
   expect() {
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => this.card.say(NO_ANSWER, true), DEADLINE_MS);
@@ -148,7 +148,7 @@ class Tour {
       ? state.revision : null;
   }
 
-  /** Whether the scene is another one than the answers are about. */
+  /** Whether the scene has changed since the answers. */
   isOld() {
     const {why, modelled} = this.revisions;
     const revision = this.step === CLOCK ? modelled : why;

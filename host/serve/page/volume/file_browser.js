@@ -250,7 +250,7 @@ class FileBrowser {
 }
 
 /**
- * What the list shows, and what it does not.
+ * Describes the listed entries and counts the omitted ones.
  * @param {Listing} listing
  * @param {string} find
  */

@@ -2,7 +2,7 @@
 import {contextOf, pngOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {paintLegend} from '../elements/legend.js';
-import {short} from '../elements/numbers.js';
+import {counted, short} from '../elements/numbers.js';
 import {saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
@@ -130,9 +130,8 @@ class PicturePart {
       ? await this.app.picture.marked(drawing, {eye, marks, legend,
         isLight: this.ground.value === 'white' ? true : null})
       : drawing;
-    const samples = Number(this.samples.value);
-    return {blob, name, told: `${sizeText(this.app.picture.wholeSize(eye))}, ${samples} `
-      + `sample${samples === 1 ? '' : 's'} per pixel`};
+    const samples = counted(Number(this.samples.value), 'sample');
+    return {blob, name, told: `${sizeText(this.app.picture.wholeSize(eye))}, ${samples} per pixel`};
   }
 
   /**
@@ -209,5 +208,5 @@ function line(text) {
 function surfaceLines(state) {
   const unit = state?.volume?.unit ?? '';
   return (state?.surfaces ?? []).filter(({visible}) => visible).map(({color, name, isovalue}) =>
-    ({color, text: `${name}  ${short(isovalue)} ${unit}`.trim()}));
+    ({color, text: `${name}  ${short(isovalue, 3)} ${unit}`.trim()}));
 }
