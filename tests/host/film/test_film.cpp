@@ -68,8 +68,8 @@ Pixels picture(int width, int height, int number) {
 /// Red, green and blue by ITU-R BT.601, where black is 16 and white 235.
 std::array<double, 3> color_of(const vpx_image_t& image, unsigned x, unsigned y) {
     const auto at = [&](int plane, unsigned column, unsigned row) {
-        return double{
-            *(image.planes[plane] + row * static_cast<unsigned>(image.stride[plane]) + column)};
+        return static_cast<double>(
+            *(image.planes[plane] + row * static_cast<unsigned>(image.stride[plane]) + column));
     };
     const double light = 1.164383 * (at(VPX_PLANE_Y, x, y) - 16);
     const double blue = at(VPX_PLANE_U, x / 2, y / 2) - 128,
@@ -230,7 +230,7 @@ TEST_CASE("players find a place at least every two seconds") {
 
 TEST_CASE("films may have odd sizes, and one picture") {
     const Folder folder;
-    for (const auto [width, height] : {std::pair{33, 17}, {1, 1}, {130, 3}}) {
+    for (const auto& [width, height] : {std::pair{33, 17}, {1, 1}, {130, 3}}) {
         const fs::path path = folder.path / "film.webm";
         make(path, {width, height, 25, "", ""}, 1);
         const Played played(path);
