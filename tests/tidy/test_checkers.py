@@ -14,6 +14,7 @@ import check_includes
 import check_layout
 import check_lengths
 import check_links
+import check_styles
 import check_unused
 import check_vocabulary
 import check_walks
@@ -332,6 +333,26 @@ class Planted(unittest.TestCase):
         self.plant("host/base/text.hpp", "int g();\nint f() { return used(1); }\n// int told();\n")
         for name in ("used", "told"):
             self.finds(check_walks, page, f"1. `{name}()` in [text](base/text.hpp)\n", name)
+
+    def test_styles(self):
+        sheet = "host/serve/page/parts.css"
+        for text, words in (
+                ("a { color: #fff; }\n", "a color that tokens.css does not name"),
+                ("a {\n  border: 1px solid rgb(0, 0, 0) }\n", ":2: border: 1px solid rgb"),
+                ("a { fill: white }\n", "a color"),
+                ("a { font-size: 0.9em; }\n", "a size of letters"),
+                ("a { font: 600 12px var(--font); }\n", "a size of letters"),
+                ("@media print { a { gap: 4px; } }\n", "a distance"),
+                ("a { padding: 0 3px var(--space-1); }\n", "a distance"),
+                ("a { margin-top: 0.5em }\n", "a distance"),
+                ("a { border-radius: 5px; }\n", "a corner")):
+            self.finds(check_styles, sheet, text, words)
+        self.finds(check_styles, "host/serve/page/a.js", "font = `${n}px system-ui`;\n", "a.js:1")
+        self.plant(sheet, "/* #fff */ a:hover { margin: 0 auto calc(-1 * var(--space-2)); "
+                   "font: 600 var(--type-small)/1.2 var(--font); gap: 0 var(--space-half); }\n"
+                   "#add { border-radius: var(--radius); font: inherit; color: CanvasText; }\n")
+        self.plant("host/serve/page/tokens.css", ":root { --ground: #000; font: 13px serif; }\n")
+        self.assertEqual(check_styles.check(self.root), [])
 
     def test_links(self):
         self.finds(check_links, "isa/README.md", "[x](nowhere.md)\n", "nowhere.md")

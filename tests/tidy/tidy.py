@@ -6,7 +6,7 @@ import pathlib
 import sys
 
 CHECKS = ("includes", "lengths", "layout", "folders", "words", "english", "links",
-          "decisions", "definitions", "unused", "vocabulary", "walks", "format")
+          "decisions", "definitions", "unused", "vocabulary", "walks", "styles", "format")
 
 
 def main(arguments) -> int:

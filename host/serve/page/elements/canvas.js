@@ -1,7 +1,9 @@
 // Canvases that are sharp on every screen, and colors of the style sheet.
 
 const MAX_SCALE = 3;
-const BASE_FONT_PX = 13;    // style.css, on small screens.
+const BASE_FONT_PX = 13;    // tokens.css, on laptops.
+/** Sizes of letters as in tokens.css, rem. */
+export const TYPE_REM = {small: 0.925, body: 1, title: 1.15};
 
 /**
  * The cleared context of a canvas whose pixels match the screen.
@@ -31,6 +33,30 @@ export function fitted(canvas) {
  */
 export function unitOf(element) {
   return parseFloat(getComputedStyle(element).fontSize) / BASE_FONT_PX;
+}
+
+/** CSS pixels of a rem. */
+export function remPx() {
+  return parseFloat(getComputedStyle(document.documentElement).fontSize);
+}
+
+/**
+ * The size of letters on a canvas.
+ * @param {number} unit  As `fitted` returns it.
+ * @param {keyof typeof TYPE_REM} [size]
+ */
+export function letterSize(unit, size = 'small') {
+  return TYPE_REM[size] * BASE_FONT_PX * unit;
+}
+
+/**
+ * A font for a canvas, with a size of the style sheet.
+ * @param {number} unit  As `fitted` returns it.
+ * @param {number} [weight]
+ * @param {keyof typeof TYPE_REM} [size]
+ */
+export function letterFont(unit, weight = 600, size = 'small') {
+  return `${weight} ${letterSize(unit, size)}px system-ui, sans-serif`;
 }
 
 /**

@@ -1,5 +1,5 @@
 // Draws measurements over the picture.
-import {contextOf} from '../elements/canvas.js';
+import {contextOf, remPx, TYPE_REM} from '../elements/canvas.js';
 import {h, s} from '../elements/dom.js';
 import {labelsOf} from '../panel/labels.js';
 
@@ -12,21 +12,17 @@ import {labelsOf} from '../panel/labels.js';
  *     makes it.
  */
 
-const LETTERS = 13;         // CSS pixels, as in panels.css.
-
 /** @type {CanvasRenderingContext2D | null} */
 let ruler = null;
 
 /**
- * The width of a text.
- * @param {string} text
+ * Measures texts of a size.
+ * @param {number} size     CSS pixels.
  */
-function widthOf(text) {
-  if (!ruler) {
-    ruler = contextOf(h('canvas'));
-    ruler.font = `600 ${LETTERS}px ${getComputedStyle(document.body).fontFamily}`;
-  }
-  return ruler.measureText(text).width;
+function rulerOf(size) {
+  const context = ruler ??= contextOf(h('canvas'));
+  context.font = `600 ${size}px ${getComputedStyle(document.body).fontFamily}`;
+  return (/** @type {string} */ text) => context.measureText(text).width;
 }
 
 /**
@@ -36,8 +32,9 @@ function widthOf(text) {
  * @param {number} height   Of the picture, places.
  */
 export function drawMarks(seen, eye, height) {
-  const labels = labelsOf(seen, {left: eye.left, top: 0, width: eye.width, height}, LETTERS,
-    widthOf);
+  const size = TYPE_REM.small * remPx();  // panels.css
+  const labels = labelsOf(seen, {left: eye.left, top: 0, width: eye.width, height}, size,
+    rulerOf(size));
   /** @type {Map<string, Box>} */
   const boxes = new Map();
   const groups = seen.map(({places, text, name, isChosen}, k) => {

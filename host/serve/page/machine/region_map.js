@@ -1,5 +1,6 @@
 // A small copy of the picture with its regions: the Renderer and the cycles of each region.
-import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
+import {contextOf, fitted, letterFont, onceAFrame, styleColor, watchSize}
+  from '../elements/canvas.js';
 import {byId, h} from '../elements/dom.js';
 import {counted, grouped} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
@@ -75,14 +76,14 @@ export class RegionMap {
     }
     const {x, y, scale, across, down} = this.place_(width, height);
     context.drawImage(this.picture_, x, y, across * scale, down * scale);
-    const most = Math.max(1, ...regions.cycles);
+    const most = Math.max(1, ...regions.cycles), ink = styleColor(this.canvas, '--over-ink');
     context.save();
     context.beginPath();
     context.rect(x, y, across * scale, down * scale);
     context.clip();
     context.textAlign = 'center';
     context.textBaseline = 'middle';
-    context.font = `600 ${12 * unit}px system-ui, sans-serif`;
+    context.font = letterFont(unit);
     const edge = EDGE * scale;
     for (let number = 0; number < regions.columns * regions.rows; ++number) {
       const renderer = regions.renderer[number];
@@ -93,12 +94,12 @@ export class RegionMap {
         : `hsla(${rendererHue(renderer)}, 62%, ${16 + 52 * share}%, 0.62)`;
       context.fillRect(left + 0.5, top + 0.5, edge - 1, edge - 1);
       if (number === this.hovered_) {
-        context.strokeStyle = '#fff';
+        context.strokeStyle = ink;
         context.lineWidth = 2;
         context.strokeRect(left + 1.5, top + 1.5, edge - 3, edge - 3);
       }
       if (renderer !== undefined && edge >= LABEL_PX * unit) {
-        context.fillStyle = '#fff';
+        context.fillStyle = ink;
         context.fillText(String(renderer), left + Math.min(edge, x + across * scale - left) / 2,
           top + Math.min(edge, y + down * scale - top) / 2);
       }

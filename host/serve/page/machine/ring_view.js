@@ -1,5 +1,5 @@
 // The ring on a canvas: nodes in ring order, channels, and dots that stand for messages.
-import {fitted, onceAFrame, prefersReducedMotion, styleColor, watchSize}
+import {fitted, letterFont, onceAFrame, prefersReducedMotion, styleColor, watchSize}
   from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {counted, grouped, percent} from '../elements/numbers.js';
@@ -21,17 +21,16 @@ const GOLDEN = 0.618034;        // Multiples of it, modulo 1, are spread evenly.
 const TRACKS = [0.56, 0.80];    // Radii of the innermost and outermost channel, of the whole.
 const NODES = 0.88;
 
-/** Kinds of messages; all others are control. panels.css repeats the colors. */
+/** Kinds of messages; all others are control. Colors are those of tokens.css. */
 const KINDS = [
-  {kind: 'RegionPrograms', label: 'programs', color: '#6cb2f5'},
-  {kind: 'RegionPixels', label: 'pixels', color: '#e8bd6a'},
-  {kind: 'FrameDone', label: 'frames', color: '#7fc998'},
-  {kind: '', label: 'control', color: '#c9a7f0'},
+  {kind: 'RegionPrograms', label: 'programs', color: '--of-gp'},
+  {kind: 'RegionPixels', label: 'pixels', color: '--of-renderer'},
+  {kind: 'FrameDone', label: 'frames', color: '--of-frame-buffer'},
+  {kind: '', label: 'control', color: '--of-host'},
 ];
-const KIND_COLORS = new Map(KINDS.map(({kind, color}) => [kind, color]));
-const CONTROL = '#c9a7f0';
-const ROLE_COLORS = new Map([['host', '#c9a7f0'], ['gp', '#6cb2f5'],
-  ['renderer', '#e8bd6a'], ['framebuffer', '#7fc998'], ['frame_buffer', '#7fc998']]);
+const CONTROL = '--of-host';
+const ROLE_COLORS = new Map([['host', CONTROL], ['gp', '--of-gp'], ['renderer', '--of-renderer'],
+  ['framebuffer', '--of-frame-buffer'], ['frame_buffer', '--of-frame-buffer']]);
 
 /**
  * @param {number} place    On the ring; between nodes too.
@@ -39,11 +38,6 @@ const ROLE_COLORS = new Map([['host', '#c9a7f0'], ['gp', '#6cb2f5'],
  */
 function angleOf(place, count) {
   return 2 * Math.PI * place / count - Math.PI / 2;
-}
-
-/** @param {number} unit */
-function labelFont(unit) {
-  return `${11 * unit}px system-ui, sans-serif`;
 }
 
 /**
@@ -56,7 +50,7 @@ function labelFont(unit) {
  * @returns {number}  Radius of the whole: nodes stand at NODES of it.
  */
 function radiusFor(context, nodes, width, height, unit) {
-  context.font = labelFont(unit);
+  context.font = letterFont(unit, 400);
   const labeled = nodes.length <= MOST_LABELS;
   const radii = nodes.map(({name}, place) => {
     const out = Math.abs(Math.cos(angleOf(place, nodes.length)));
@@ -222,11 +216,12 @@ export class RingView {
     this.dots_ = left <= 0 ? []
       : this.dots_.filter(({flow, born}) => now - born < TURN_MS * flow.hops / count);
     context.globalAlpha = Math.min(Math.max(left, 0), 1);
+    const colors = new Map(KINDS.map(({kind, color}) => [kind, styleColor(this.canvas, color)]));
     for (const {flow, born} of this.dots_) {
       if (now >= born) {
         const angle = angleOf(flow.from + (now - born) / TURN_MS * count, count);
         const track = this.track_(flow.channel, radius);
-        context.fillStyle = KIND_COLORS.get(flow.kind) ?? CONTROL;
+        context.fillStyle = colors.get(flow.kind) ?? colors.get('') ?? '';
         context.beginPath();
         context.arc(track * Math.cos(angle), track * Math.sin(angle), 2.2 * this.unit_, 0,
           2 * Math.PI);
@@ -244,13 +239,13 @@ export class RingView {
    */
   drawNodes_(context, radius, nodes) {
     const size = Math.min(9 * this.unit_, Math.max(3, radius * 2.4 / nodes.length));
-    context.font = labelFont(this.unit_);
+    context.font = letterFont(this.unit_, 400);
     context.textBaseline = 'middle';
     nodes.forEach(({name, role, busy}, place) => {
       const angle = angleOf(place, nodes.length);
       const x = NODES * radius * Math.cos(angle), y = NODES * radius * Math.sin(angle);
       const dead = this.dead_.has(name);
-      const color = dead ? styleColor(this.canvas, '--bad') : ROLE_COLORS.get(role) ?? CONTROL;
+      const color = styleColor(this.canvas, dead ? '--bad' : ROLE_COLORS.get(role) ?? CONTROL);
       context.beginPath();
       context.arc(x, y, size, 0, 2 * Math.PI);
       context.fillStyle = styleColor(this.canvas, '--panel');
@@ -298,8 +293,8 @@ export class RingView {
     }
     context.textAlign = 'center';
     lines.forEach((line, number) => {
-      context.font = number === 0 ? `600 ${14 * this.unit_}px system-ui, sans-serif`
-        : `${12 * this.unit_}px system-ui, sans-serif`;
+      context.font = number === 0 ? letterFont(this.unit_, 600, 'title')
+        : letterFont(this.unit_, 400);
       context.fillStyle = styleColor(this.canvas, number === 0 ? '--text' : '--muted');
       context.fillText(line, 0, (number - (lines.length - 1) / 2) * 18 * this.unit_,
         2 * TRACKS[0] * radius);

@@ -1,4 +1,5 @@
 // Separators between the picture and the sides: pointer, arrow keys, and a double click.
+import {remPx} from '../elements/canvas.js';
 import {byId, h, update} from '../elements/dom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -56,12 +57,11 @@ function makeEdge(app, {edge, title, controls, least, way}) {
     'aria-orientation': isSheet ? 'horizontal' : 'vertical',
     title: `${title}: drag, or use the arrow keys. A double click resets it.`});
   byId('middle').after(line);
-  const rem = () => parseFloat(getComputedStyle(document.documentElement).fontSize);
-  const most = () => MOST_SHARE[edge] * (isSheet ? innerHeight : innerWidth) / rem();
+  const most = () => MOST_SHARE[edge] * (isSheet ? innerHeight : innerWidth) / remPx();
   const size = () => {
     const box = byId(isSheet || !byId(controls).checkVisibility() ? 'sides' : controls)
       .getBoundingClientRect();
-    return (isSheet ? box.height : box.width) / rem();
+    return (isSheet ? box.height : box.width) / remPx();
   };
   const limited = (/** @type {number} */ wish) => Math.max(least, Math.min(most(), wish));
   const set = (/** @type {number} */ wish) => app.layout.resize(edge, limited(wish));
@@ -69,10 +69,10 @@ function makeEdge(app, {edge, title, controls, least, way}) {
     const wish = app.layout.now.sizes[edge];
     main.style.setProperty(`--${edge}`, wish === null ? '' : `${limited(wish)}rem`);
     if (line.checkVisibility()) {
-      update(line, {'aria-valuemin': Math.round(least * rem()),
-        'aria-valuemax': Math.round(most() * rem()),
-        'aria-valuenow': Math.round(size() * rem()),
-        'aria-valuetext': `${Math.round(size() * rem())} pixels`});
+      update(line, {'aria-valuemin': Math.round(least * remPx()),
+        'aria-valuemax': Math.round(most() * remPx()),
+        'aria-valuenow': Math.round(size() * remPx()),
+        'aria-valuetext': `${Math.round(size() * remPx())} pixels`});
     }
   };
   app.layout.watch(tell);
@@ -91,7 +91,7 @@ function makeEdge(app, {edge, title, controls, least, way}) {
   });
   drag(line, event => {
     const from = isSheet ? event.clientY : event.clientX, was = size();
-    return moved => set(was + way * ((isSheet ? moved.clientY : moved.clientX) - from) / rem());
+    return moved => set(was + way * ((isSheet ? moved.clientY : moved.clientX) - from) / remPx());
   });
 }
 

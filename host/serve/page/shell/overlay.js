@@ -1,4 +1,5 @@
 // Over the picture: letters of the patient's sides, scale bar, cube and crosshair.
+import {remPx} from '../elements/canvas.js';
 import {byId, h, s, setText, update} from '../elements/dom.js';
 import {placeWarning} from '../panel/volume_words.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
@@ -37,7 +38,7 @@ export function createOverlay(app, viewpoint) {
   const redraw = () => {
     const {camera, height} = picture, eyes = picture.eyes();
     // Before anything changes: a change makes the browser compute all styles again.
-    const margin = MARGIN_REM * parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const margin = MARGIN_REM * remPx();
     update(picture.overlay, {visibility: camera ? null : 'hidden'});
     setText(cut, CUT);
     cut.hidden = !camera || !picture.isCut;

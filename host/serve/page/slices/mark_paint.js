@@ -1,5 +1,5 @@
 // Paints measurements on a slice.
-import {styleColor} from '../elements/canvas.js';
+import {letterFont, letterSize, styleColor} from '../elements/canvas.js';
 import {labelsOf} from '../panel/labels.js';
 import {isOn} from './slice_ends.js';
 import {boxAt, pixelAt} from './slice_pixels.js';
@@ -11,8 +11,6 @@ import {boxAt, pixelAt} from './slice_pixels.js';
 /** @typedef {import('../panel/labels.js').Place} Place */
 
 const END_RADIUS = 2.5;     // CSS pixels.
-const EDGE_COLOR = '#000c';
-const LETTERS = 12;         // Their size.
 
 /**
  * Paints the measurements that lie in the slice. Returns the boxes of their labels by name.
@@ -25,25 +23,25 @@ export function paintMarks({canvas, context, slice, place, width, height, unit},
   const marks = all.filter(mark => isOn(slice, mark));
   const drawn = marks.map(({kind, voxels, text}) => ({kind, text,
     places: voxels.map(voxel => boxAt(slice, place, ...pixelAt(slice, size, voxel)))}));
-  const color = styleColor(canvas, '--over-warn');
+  const color = styleColor(canvas, '--over-warn'), edge = styleColor(canvas, '--over-edge');
   context.textAlign = 'center';
   context.textBaseline = 'alphabetic';
-  context.font = `600 ${LETTERS * unit}px system-ui, sans-serif`;
+  context.font = letterFont(unit);
   context.lineCap = 'round';
   context.lineJoin = 'round';
-  const labels = labelsOf(drawn, {left: 0, top: 0, width, height}, LETTERS * unit,
+  const labels = labelsOf(drawn, {left: 0, top: 0, width, height}, letterSize(unit),
     text => context.measureText(text).width);
   drawn.forEach(({kind, places}, index) => {
     const path = pathOf(kind, places, labels[index]);
-    for (const [style, line] of /** @type {const} */ ([[EDGE_COLOR, 4], [color, 1.5]])) {
+    for (const [style, line] of /** @type {const} */ ([[edge, 4], [color, 1.5]])) {
       context.strokeStyle = style;
       context.lineWidth = line * unit;
       context.stroke(path);
     }
   });
-  context.strokeStyle = EDGE_COLOR;
+  context.strokeStyle = edge;
   context.lineWidth = 3 * unit;
-  context.fillStyle = '#fff';
+  context.fillStyle = styleColor(canvas, '--over-ink');
   for (const {text, x, y} of labels.flatMap(label => label?.lines ?? [])) {
     context.strokeText(text, x, y);
     context.fillText(text, x, y);

@@ -1,5 +1,5 @@
 // Paints a slice on a canvas: image, contours, crosshair, letters.
-import {styleColor} from '../elements/canvas.js';
+import {letterFont, styleColor} from '../elements/canvas.js';
 import {significant} from '../elements/numbers.js';
 import {paintMarks} from './mark_paint.js';
 import {insideOf} from './slice_fill.js';
@@ -27,7 +27,6 @@ const CROSSHAIR_GAP = 6;    // Free space around the point, CSS pixels.
 const LETTER_MARGIN = 4;
 const LINE_WIDTH = {thick: 1.5, thin: 1, filled: 1};  // Contours, CSS pixels.
 const EDGE_WIDTH = 1.25;    // Dark edge on either side of a thick contour.
-const EDGE_COLOR = '#000c';
 const TINT = 0.35;           // Opacity of filled contours.
 const CUT_DASH = [6, 4];    // Line where a clip plane cuts, CSS pixels.
 const CUT_TICK = 5;         // Short lines on its kept side, and the distance between them.
@@ -65,7 +64,7 @@ function paintImage({context, slice, place}, image, smooth) {
  * @param {Paper} paper
  * @param {'thick' | 'thin' | 'filled'} lines
  */
-function paintContours({context, slice, place, unit}, lines) {
+function paintContours({canvas, context, slice, place, unit}, lines) {
   context.lineCap = 'round';
   if (lines === 'filled' && !slice.oblique) {  // Its contours end at the border of the volume.
     slice.contours.forEach(contour => paintInside({context, slice, place}, contour));
@@ -80,7 +79,7 @@ function paintContours({context, slice, place, unit}, lines) {
     return {color, path};
   });
   if (lines === 'thick') {  // All edges first, so that no edge covers a line.
-    context.strokeStyle = EDGE_COLOR;
+    context.strokeStyle = styleColor(canvas, '--over-edge');
     context.lineWidth = (LINE_WIDTH.thick + 2 * EDGE_WIDTH) * unit;
     paths.forEach(({path}) => context.stroke(path));
   }
@@ -143,8 +142,8 @@ function paintCuts({canvas, context, place, unit}, cuts) {
       ticks.lineTo(x + kept[0] * CUT_TICK * unit, y + kept[1] * CUT_TICK * unit);
     }
   }
-  for (const [style, width] of /** @type {const} */ ([[EDGE_COLOR, 3],
-    [styleColor(canvas, '--text'), 1]])) {
+  for (const [style, width] of /** @type {const} */ ([
+    [styleColor(canvas, '--over-edge'), 3], [styleColor(canvas, '--over-ink'), 1]])) {
     context.strokeStyle = style;
     context.lineWidth = width * unit;
     context.setLineDash(CUT_DASH.map(each => each * unit));
@@ -182,12 +181,12 @@ function paintCrosshair({canvas, context, slice, place, unit}, size, voxel) {
  * @param {Paper} paper
  * @param {number} times    1: not zoomed.
  */
-function paintLetters({context, slice: {letters, slab}, width, height, unit}, times) {
-  context.font = `600 ${12 * unit}px system-ui, sans-serif`;
+function paintLetters({canvas, context, slice: {letters, slab}, width, height, unit}, times) {
+  context.font = letterFont(unit);
   context.textBaseline = 'middle';
   context.lineWidth = 3 * unit;
-  context.strokeStyle = '#000c';
-  context.fillStyle = '#fff';
+  context.strokeStyle = styleColor(canvas, '--over-edge');
+  context.fillStyle = styleColor(canvas, '--over-ink');
   const upper = LETTER_MARGIN + 6 * unit;
   /** @type {[string, number, number, CanvasTextAlign][]} */
   const places = [[letters.left, LETTER_MARGIN, height / 2, 'left'],

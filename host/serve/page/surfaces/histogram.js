@@ -1,4 +1,5 @@
 // The histogram of the volume. Each surface is a handle that the user drags.
+import {remPx} from '../elements/canvas.js';
 import {h, s, setText, update} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 import {isoCommand, roundIso} from '../link/lines.js';
@@ -130,7 +131,7 @@ export class Histogram {
     }
     this.width_ = width;
     const last = counts.first + counts.width * counts.counts.length;
-    this.rem_ = parseFloat(getComputedStyle(document.documentElement).fontSize);
+    this.rem_ = remPx();
     const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
     update(this.svg_, {height: HEIGHT * this.rem_});
     update(this.axis_, {transform: `translate(0 ${base})`});
