@@ -5,8 +5,9 @@ import { browser, openPage, server, useServer } from '../harness.js';
 import { settled, unfold } from '../steps.js';
 
 /** Least size of letters, CSS pixels: on a large screen people sit farther away. */
-const SIZES = [{ width: 390, height: 844, least: 12.5 }, { width: 1280, height: 720, least: 12 },
-               { width: 1920, height: 1080, least: 12.5 }, { width: 3840, height: 2160, least: 19 }];
+const SIZES = [
+  { width: 390, height: 844, least: 12.5 }, { width: 1280, height: 720, least: 12 },
+  { width: 1920, height: 1080, least: 12.5 }, { width: 3840, height: 2160, least: 19 }];
 const NAMES = ['small', 'body', 'title', 'large'];
 
 useServer();
