@@ -6,8 +6,10 @@ import { settled, unfold } from '../steps.js';
 
 /** Least size of letters, CSS pixels: on a large screen people sit farther away. */
 const SIZES = [
-  { width: 390, height: 844, least: 12.5 }, { width: 1280, height: 720, least: 12 },
-  { width: 1920, height: 1080, least: 12.5 }, { width: 3840, height: 2160, least: 19 }];
+  { width: 390, height: 844, least: 12.5, phone: { hasTouch: true, isMobile: true } },
+  { width: 1280, height: 720, least: 12 }, { width: 1920, height: 1080, least: 12.5 },
+  { width: 3840, height: 2160, least: 19 },
+];
 const NAMES = ['small', 'body', 'title', 'large'];
 
 useServer();
@@ -41,10 +43,11 @@ function strays([names, least]) {
   return { seen, found: [...found].map(pair => pair.join(': ')) };
 }
 
-for (const { width, height, least } of SIZES) {
+for (const { width, height, least, phone } of SIZES) {
   test(`all letters have one of four sizes, at least ${least} px at ${width} x ${height}`,
        async () => {
-    const { page, close } = await openPage(browser, server.url, { viewport: { width, height } });
+    const { page, close } = await openPage(browser, server.url,
+      { viewport: { width, height }, ...phone });
     await unfold(page);
     await settled(page);
     const found = [];

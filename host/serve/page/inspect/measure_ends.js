@@ -9,7 +9,7 @@ import {sentenceOf} from '../panel/panel_parts.js';
  * @typedef {{name: string, end: number, eye: Eye['name'], x: number, y: number}} Held  Places.
  */
 
-const MOUSE_REACH = 9, FINGER_REACH = 22;   // CSS pixels.
+const MOUSE_REACH = 12, FINGER_REACH = 22;   // CSS pixels.
 const NOWHERE = 'There is no surface. The end is back in its place.';
 const OUTSIDE = 'The pointer is outside of the picture. The end is back in its place.';
 

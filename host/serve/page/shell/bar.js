@@ -1,7 +1,7 @@
 // The title bar: the open volume, undo and redo, open, save and help.
 import {byId, h} from '../elements/dom.js';
 import {icon} from '../elements/icons.js';
-import {createViewTools} from './view_tools.js';
+import {createViewTools, moveToMenu} from './view_tools.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -31,9 +31,10 @@ export function createBar(app, actions, headset) {
       title: 'This address is view-only. To make changes, use the other address that pxpl5 '
         + 'serve printed.'}, 'View only'),
     h('span', {class: 'grow'}), ...createViewTools(app), undo, redo, open,
-    save, headset,
-    h('button', {'data-testid': 'help', 'aria-label': 'Help', title: 'Help (key ?)',
-      onclick: actions.help}, '?'));
+    save, headset);
+  const help = h('button', {class: 'icon', 'data-testid': 'help', 'aria-label': 'Help',
+    title: 'Help (key ?)', onclick: actions.help}, '?');
+  moveToMenu('phone', 'Help', help, () => byId('bar').append(help));
   app.store.subscribe(['volume', 'archive', 'machine'], ({volume, archive, machine}) => {
     name.textContent = volume?.name ?? archive ?? 'No volume';
     document.title = `${name.textContent} · pxpl5`;

@@ -3,6 +3,7 @@ import {remPx} from '../elements/canvas.js';
 import {byId, h, s, setText, update} from '../elements/dom.js';
 import {placeWarning} from '../panel/volume_words.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
+import {moveToMenu} from './view_tools.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 
@@ -168,9 +169,11 @@ function createCube(app, viewpoint) {
   const buttons = SIDES.map(({letter, view}, index) => h('button', {class: 'quiet',
     title: `Show the ${view} view (key ${index + 1})`, 'aria-label': `Show the ${view} view`,
     'data-testid': `view-${view}`, onclick: () => viewpoint.named(view)}, letter));
-  byId('corner').append(drawing, h('div', {id: 'views', class: 'drives'}, ...buttons));
+  const views = h('div', {id: 'views', class: 'drives'}, ...buttons);
+  byId('corner').append(drawing);
+  moveToMenu('narrow', 'View', views, () => byId('corner').append(views));
   app.store.subscribe(['volume', 'archive'], state => {
-    byId('corner').hidden = !state.volume && !state.archive;
+    views.hidden = byId('corner').hidden = !state.volume && !state.archive;
   });
 
   return patientToEye => {

@@ -7,7 +7,7 @@ import {createTheme} from './theme.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
-const NARROW = '(max-width: 900px)';  // parts.css
+const NARROW = '(max-width: 900px)', PHONE = '(max-width: 560px)';  // layouts.css, parts.css
 const LAYOUTS = /** @type {const} */ ([
   {name: 'picture', title: 'Picture alone', help: 'Picture alone; slices in their panel (key 7)'},
   {name: 'beside', title: 'Picture and three slices', help: 'Picture, three slices beside (key 8)'},
@@ -53,18 +53,47 @@ export function createViewTools(app) {
       open(false);
     }
   });
-  const narrow = matchMedia(NARROW);
-  const follow = () => {
-    open(false);
-    if (narrow.matches) {
-      menu.prepend(tools);
-    } else {
-      place.prepend(tools);
+  menu.addEventListener('click', event => {
+    if (event.target instanceof Element && event.target.closest('#views')) {
+      open(false);  // It lies over the picture.
     }
-  };
-  narrow.addEventListener('change', follow);
-  follow();
+  });
+  inMenu(NARROW, tools, () => place.prepend(tools), () => menu.prepend(tools));
+  matchMedia(NARROW).addEventListener('change', () => open(false));
   return [place];
+}
+
+/**
+ * Puts controls into the menu in small windows, and back in others.
+ * @param {string} query    When.
+ * @param {HTMLElement} what
+ * @param {() => void} back
+ * @param {() => void} into
+ */
+function inMenu(query, what, back, into) {
+  const small = matchMedia(query);
+  const follow = () => (small.matches ? into : back)();
+  small.addEventListener('change', follow);
+  follow();
+}
+
+/**
+ * In small windows, moves controls to a row of the menu with a title.
+ * @param {'narrow' | 'phone'} when
+ * @param {string} title
+ * @param {HTMLElement} what
+ * @param {() => void} back  Puts them where they are otherwise.
+ */
+export function moveToMenu(when, title, what, back) {
+  const row = h('div', {class: 'row spread'}, h('span', {class: 'muted'}, title));
+  inMenu(when === 'narrow' ? NARROW : PHONE, what, () => {
+    row.remove();
+    back();
+  }, () => {
+    row.append(what);
+    const menu = byId('view-menu');
+    menu.insertBefore(row, when === 'narrow' ? menu.querySelector('.spread') : null);
+  });
 }
 
 /** @param {App} app */

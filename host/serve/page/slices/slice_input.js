@@ -37,7 +37,7 @@ const MIDDLE = 1, RIGHT = 2;  // Buttons of a mouse.
 const PAGE = 5;             // Slices per Page Up or Page Down.
 const TAP_PX = 6;           // A finger that moves less taps.
 const CLICK_PX = 3;         // A mouse on an end that moves less clicks.
-const MOUSE_REACH = 8, FINGER_REACH = 22;  // From an end that is grabbed, CSS pixels.
+const MOUSE_REACH = 12, FINGER_REACH = 22;  // From an end that is grabbed, CSS pixels.
 
 const STEPS = new Map([['PageUp', PAGE], ['PageDown', -PAGE], [']', 1], ['[', -1]]);
 const MOVES = new Map([['ArrowLeft', [-1, 0]], ['ArrowRight', [1, 0]], ['ArrowUp', [0, -1]],

@@ -16,7 +16,8 @@ const TOP = 2.6;           // Room for the handles' grips, in two rows.
 const BOTTOM = 1.6;        // Room for the axis.
 const SIDE = 1.4;           // Room for half a number of the axis.
 const GRIP = 0.85;
-const REACH = 0.95;        // Distance from a handle's line at which a pointer grabs the handle.
+// Distance from a handle's line at which a mouse or a finger grabs the handle; CSS pixels.
+const MOUSE_REACH = 12, FINGER_REACH = 22;
 const FINE = 0.1;          // Fraction of the pointer's motion, with Shift.
 const COARSE = 10;         // Steps per arrow key with Shift.
 const KEY_STEPS = 500;     // Arrow keys cross the range in this many steps.
@@ -178,7 +179,9 @@ export class Histogram {
       class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
     });
     const [line, grip, label, reach, , beyond] = handle.children;
-    const [size, base, far] = [GRIP, HEIGHT - BOTTOM, REACH].map(each => each * this.rem_);
+    const [size, base] = [GRIP, HEIGHT - BOTTOM].map(each => each * this.rem_);
+    const far = Math.max(matchMedia('(pointer: coarse)').matches ? FINGER_REACH : MOUSE_REACH,
+      size);
     const top = row % 2 === 0 ? 2 : 2 + size * 1.3;
     update(line, {y1: top + size, y2: base, stroke: surface.color});
     update(grip, {x: -size / 2, y: top, width: size, height: size, fill: surface.color});

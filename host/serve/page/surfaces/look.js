@@ -9,6 +9,7 @@ import {LIMITS} from '../link/vocabulary.js';
 /** @typedef {import('../link/vocabulary.js').LightState} LightState */
 
 const BALL = 34;              // Radius, in the drawing's units.
+const REACH = 17;             // Radius at which a pointer grabs a dot: 44 px for a finger.
 const KEY_DEG = 5;
 const NEW_LIGHT = '0 45 intensity=0.4';
 const DEGREE = Math.PI / 180;
@@ -100,8 +101,9 @@ class LightBall {
     lights.forEach((light, index) => {
       const dot = this.dots_.children[index] ?? this.makeDot_(index);
       const {x, y, isBehind} = dotOf(light);
-      update(dot, {cx: x, cy: y, r: 4 + 2.5 * Math.min(1, light.intensity),
-        class: `dot${index === this.chosen_ ? ' chosen' : ''}${isBehind ? ' behind' : ''}`,
+      update(dot.children[1], {r: 4 + 2.5 * Math.min(1, light.intensity)});
+      update(dot, {transform: `translate(${x} ${y})`,
+        class: `light${index === this.chosen_ ? ' chosen' : ''}${isBehind ? ' behind' : ''}`,
         'aria-valuenow': Math.round(light.azimuth_deg),
         'aria-valuetext': `${Math.round(light.azimuth_deg)}° right, `
           + `${Math.round(light.elevation_deg)}° up`});
@@ -117,8 +119,9 @@ class LightBall {
    * @param {number} index
    */
   makeDot_(index) {
-    const dot = s('circle', {role: 'slider', tabindex: 0, 'aria-label': `Light ${index + 1}`,
-      'aria-valuemin': -180, 'aria-valuemax': 180, 'data-testid': `light-${index + 1}`});
+    const dot = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Light ${index + 1}`,
+      'aria-valuemin': -180, 'aria-valuemax': 180, 'data-testid': `light-${index + 1}`},
+    s('circle', {class: 'reach', r: REACH}), s('circle', {class: 'dot'}));
     const choose = () => {
       this.chosen_ = index;
       this.draw_();

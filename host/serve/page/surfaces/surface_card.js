@@ -110,7 +110,8 @@ export class SurfaceCard {
         h('button', {class: 'quiet', 'data-testid': `surface-remove-${name}`,
           onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
     this.root = h('li', {class: 'surface', 'data-testid': id},
-      h('div', {class: 'row'}, this.visible_, this.color_, this.title_, this.iso_), this.more_);
+      h('div', {class: 'row'}, h('label', {class: 'tick'}, this.visible_), this.color_,
+        this.title_, this.iso_), this.more_);
     /** @private  A watcher would keep a removed card in memory. */
     this.unwatch_ = selection.watch(chosen => {
       this.more_.hidden = chosen !== name;
