@@ -9,13 +9,23 @@ import { after, settled, unfold } from '../steps.js';
 
 const axe = readFileSync(path.join(process.env.PXPL5_NODE_MODULES, 'axe-core/axe.min.js'), 'utf8');
 
+const SIZES = [[390, 844], [1024, 768], [1280, 720], [1920, 1080], [3840, 2160]];
+
+let turns = 0;
+
 useServer();
 
-/** What axe-core finds, as sentences. */
-async function axeFinds(page) {
-  await page.evaluate(axe);
-  const { violations, passes } = await page.evaluate(() => globalThis.axe.run());
-  assert.ok(passes.length > 10, `axe-core checked ${passes.length} rules`);
+/**
+ * What axe-core finds, as sentences.
+ * @param {string} part       Selector of what to check: what this state of the page changes.
+ * @param {object} [options]  Of axe.run(): which rules.
+ * @param {number} [least]    Number of rules that must have had something to check.
+ */
+async function axeFinds(page, part, options = {}, least = 5) {
+  const { violations, passes, incomplete } = await page.evaluate(([part, options]) =>
+    globalThis.axe.run(part, { preload: false, ...options }), [part, options]);
+  const checked = passes.length + incomplete.length;
+  assert.ok(checked >= least, `axe-core checked ${checked} rules`);
   return violations.flatMap(({ id, help, nodes }) => nodes.map(({ html, any }) =>
     `${id}: ${help}: ${html.slice(0, 160)} ${any[0]?.message ?? ''}`));
 }
@@ -26,42 +36,72 @@ function panelLevel(page) {
     Number(/\d+/.exec(getComputedStyle(bar).backgroundColor)[0]));
 }
 
-for (const colorScheme of ['dark', 'light']) {
-  test(`axe-core finds nothing on any tab, layout, menu or dialog of the ${colorScheme} theme`,
-       async () => {
-    // axe-core sets styles in markup, which the page's policy forbids.
-    const { page, close } = await openPage(browser, server.url, { colorScheme, bypassCSP: true });
-    await unfold(page);
-    await settled(page);
-    const found = [];
-    for (const tab of await page.getByRole('tab').all()) {
-      await tab.click();
-      const name = await tab.innerText();
-      await settled(page);
-      found.push(...(await axeFinds(page)).map(each => `${name}: ${each}`));
-      found.push(...(await page.evaluate(lookFor.faintText)).map(each => `${name}: ${each}`));
-      await shoot(page, `theme-${colorScheme}-${name}`);
+/**
+ * What axe-core and `faintText` find in a state of the page, in all sizes of windows and both
+ * themes: sentences, each with the first place where it holds.
+ * @param {Map<string, string>} found
+ * @param {string} where    The state, for screenshots and sentences.
+ * @param {string} [part]
+ */
+async function lookEverywhere(page, found, where, part = 'html') {
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    const note = (faults, theme) => faults.forEach(fault =>
+      found.set(fault, found.get(fault) ?? `${where}, ${width} x ${height}, ${theme}`));
+    // Themes differ in colors alone, and sizes hardly in colors: 390 and 1280 px have both themes
+    // in all states, the others one theme in turn.
+    note(await axeFinds(page, part, { rules: { 'color-contrast': { enabled: false } } }),
+         'both themes');
+    const themes = width === 390 || width === 1280 ? ['dark', 'light']
+      : [++turns % 2 === 0 ? 'dark' : 'light'];
+    for (const colorScheme of themes) {
+      await page.emulateMedia({ colorScheme });
+      note(await axeFinds(page, part, { runOnly: ['color-contrast'] }, 1), colorScheme);
+      note(await page.evaluate(lookFor.faintText), colorScheme);
+      if (width === 1280) await shoot(page, `theme-${colorScheme}-${where}`);
     }
-    for (const key of ['8', '9', '0']) {
-      await page.keyboard.press(key);
-      await settled(page);
-      found.push(...(await axeFinds(page)).map(each => `layout ${key}: ${each}`));
-    }
-    await page.keyboard.press('7');
-    await page.getByTestId('view-menu').click();
-    found.push(...(await axeFinds(page)).map(each => `menu: ${each}`));
-    for (const [key, name] of [['?', 'help'], ['o', 'open'], ['s', 'save']]) {
-      await page.keyboard.press(key);
-      await page.locator('dialog[open]').waitFor();
-      found.push(...(await axeFinds(page)).map(each => `dialog ${key}: ${each}`));
-      found.push(...(await page.evaluate(lookFor.faintText)).map(each => `dialog ${key}: ${each}`));
-      await shoot(page, `theme-${colorScheme}-dialog-${name}`);
-      await page.keyboard.press('Escape');
-    }
-    assert.deepEqual([...new Set(found)], []);
-    await close();
-  });
+  }
 }
+
+test('axe-core finds nothing on any tab, layout, menu or dialog, whatever the theme and the window',
+     async () => {
+  // axe-core sets styles in markup, which the page's policy forbids.
+  const { page, close } = await openPage(browser, server.url, { bypassCSP: true, script: axe });
+  await unfold(page);
+  await page.getByTestId('size-menu').selectOption('256x256');  // A large one takes its time.
+  await settled(page);
+  const found = new Map();
+  for (const tab of await page.getByRole('tab').all()) {
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await tab.click();
+    await settled(page);
+    const name = await tab.innerText();
+    await lookEverywhere(page, found, name, name === 'Slices' ? 'html' : '#right');
+  }
+  for (const key of ['8', '9', '0']) {
+    await page.keyboard.press(key);
+    await page.locator('#panes .slice-canvas').first().waitFor();
+    await lookEverywhere(page, found, `layout-${key}`, '#middle');
+  }
+  await page.keyboard.press('7');
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    await page.getByTestId('view-menu').click();
+    for (const fault of await axeFinds(page, '#bar')) found.set(fault, `menu, ${width} px`);
+    await page.keyboard.press('Escape');
+  }
+  for (const [key, name] of [['?', 'help'], ['o', 'open'], ['s', 'save']]) {
+    await page.keyboard.press(key);
+    await page.locator('dialog[open]').waitFor();
+    await lookEverywhere(page, found, `dialog-${name}`, 'dialog[open]');
+    await page.keyboard.press('Escape');
+  }
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await page.getByTestId('size-menu').selectOption('');  // As the next page has it.
+  await settled(page);
+  assert.deepEqual([...found].map(([fault, where]) => `${where}: ${fault}`), []);
+  await close();
+});
 
 test('the theme is the system\'s until the user chooses one, and is kept', async () => {
   const { page, close } = await openPage(browser, server.url, { colorScheme: 'light' });

@@ -34,7 +34,7 @@ export function createTabs(app) {
   const panels = byId('panels');
   const made = TABS.map(({id, title, help, create}) => {
     const section = h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
-      'aria-labelledby': `tab-${id}`, tabindex: -1});
+      'aria-labelledby': `tab-${id}`, tabindex: 0});  // The keyboard scrolls it.
     const button = h('button', {id: `tab-${id}`, role: 'tab', title: help, 'aria-selected': false,
       'aria-controls': section.id, 'data-testid': `tab-${id}`, tabindex: -1}, title);
     panels.append(section);
