@@ -73,9 +73,20 @@ std::string range_of(const schema::VolumeHeader& header, Elements elements) {
         .finite("minimum", header.minimum())
         .finite("maximum", header.maximum())
         .at_most("minimum", header.minimum(), header.maximum())
-        .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels);
+        .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels)
+        .length("suv_per_value", header.suv_per_value());
     check_slices(check, header);
     check.add(files_out_of_range(header, elements));
+    if (header.windows() != nullptr) {
+        check.at_most("number of windows", header.windows()->size(), std::uint32_t{max_windows});
+        for (const auto* window : *header.windows()) {
+            check.within("width of a window", window->width(), least_window, most_window)
+                .within("level of a window", window->level(), -most_window, most_window);
+            if (!elements.take(check, window->name()->size())) {
+                break;
+            }
+        }
+    }
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {
             check.known("kind of finding", finding->kind());

@@ -210,7 +210,7 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     }
     if (arguments.words.size() > 2) {
         write_slice(session, arguments, wish ? slab.values : slab.middle, contours, title);
-        if (volume.reduced && volume.modality != "CT" &&
+        if (volume.reduced && !stated_window(volume) &&
             !(arguments.has("window") && arguments.has("level"))) {
             add_warning(reply, fmt::format("the window follows from the values of one voxel in {} "
                                            "along each axis; give window= and level= to set it",

@@ -28,6 +28,9 @@ inline Volume reduced_shape(const Volume& volume, int reduction) {
     out.minimum = volume.minimum;
     out.maximum = volume.maximum;
     out.modality = volume.modality;
+    out.unit = volume.unit;
+    out.windows = volume.windows;
+    out.suv_per_value = volume.suv_per_value;
     out.source = volume.source;
     return out;
 }

@@ -21,6 +21,13 @@ struct Finding {
     friend bool operator==(const Finding&, const Finding&) = default;
 };
 
+/// A window of gray values: values from level - width / 2 (black) to level + width / 2 (white).
+struct NamedWindow {
+    std::string name;
+    double width = 1, level = 0;
+    friend bool operator==(const NamedWindow&, const NamedWindow&) = default;
+};
+
 /// Voxels with their place in the patient.
 ///
 /// A voxel (x, y, z) lies at the grid position (x, y, place of slice z). voxel_to_patient maps grid
@@ -32,15 +39,19 @@ struct Volume {
     glm::dmat4 voxel_to_patient{1.0};  ///< Grid position (x, y, z) to millimeters, LPS.
     /// Grid z of each slice, ascending. Empty if slices are evenly spaced: slice z lies at z.
     std::vector<double> slice_places;
-    std::vector<int> gap_slabs;       ///< Slabs across missing slices, ascending.
-    double minimum = 0, maximum = 0;  ///< Over all voxels.
-    std::string modality;             ///< CT, MR, US, ...; empty if the file does not state it.
-    std::string series;               ///< SeriesInstanceUID of DICOM files; else empty.
-    std::vector<Finding> findings;    ///< Facts that the user must know.
-    int slabs_per_set = 1;            ///< Adjacent slabs that go to one GP; 1 in the paper.
-    std::vector<std::byte> values;    ///< nx * ny * nz, x fastest, little endian, of `type`.
-    std::string source;               ///< File, folder or phantom:NAME.
-    std::uint64_t digest = 0;         ///< FNV-1a over the values; 0 if unknown.
+    std::vector<int> gap_slabs;        ///< Slabs across missing slices, ascending.
+    double minimum = 0, maximum = 0;   ///< Over all voxels.
+    std::string modality;              ///< CT, MR, US, ...; empty if the file does not state it.
+    std::string unit;                  ///< Unit of the values, as the file states it: Bq/ml, ...
+    std::vector<NamedWindow> windows;  ///< Windows of the file, the preferred one first.
+    /// Standardized uptake value by body weight (g/ml) of a value of 1; 0 if it is not known.
+    double suv_per_value = 0;
+    std::string series;             ///< SeriesInstanceUID of DICOM files; else empty.
+    std::vector<Finding> findings;  ///< Facts that the user must know.
+    int slabs_per_set = 1;          ///< Adjacent slabs that go to one GP; 1 in the paper.
+    std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.
+    std::string source;             ///< File, folder or phantom:NAME.
+    std::uint64_t digest = 0;       ///< FNV-1a over the values; 0 if unknown.
     /// The GPs read the values from these files. Otherwise the host sends the values.
     std::optional<StoredVolume> stored;
     /// Above 1: `values` is empty, and `reduced` has every n-th voxel along each axis, from 0.

@@ -64,6 +64,15 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.gap_slabs.assign(volume.gap_slabs.begin(), volume.gap_slabs.end());
     header.modality = volume.modality;
     header.series = volume.series;
+    header.unit = volume.unit;
+    header.suv_per_value = volume.suv_per_value;
+    for (const NamedWindow& window : volume.windows) {
+        auto wire = std::make_unique<schema::NamedWindowT>();
+        wire->name = window.name;
+        wire->width = window.width;
+        wire->level = window.level;
+        header.windows.push_back(std::move(wire));
+    }
     header.slabs_per_set = static_cast<std::uint16_t>(volume.slabs_per_set);
     for (const Finding& finding : volume.findings) {
         auto wire = std::make_unique<schema::FindingT>();
@@ -108,6 +117,13 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
         volume_.modality = header.modality()->str();
     }
     volume_.series = header.series() != nullptr ? header.series()->str() : "";
+    volume_.unit = header.unit() != nullptr ? header.unit()->str() : "";
+    volume_.suv_per_value = header.suv_per_value();
+    if (header.windows() != nullptr) {
+        for (const auto* window : *header.windows()) {
+            volume_.windows.push_back({window->name()->str(), window->width(), window->level()});
+        }
+    }
     volume_.slabs_per_set = header.slabs_per_set();
     if (header.findings() != nullptr) {
         for (const auto* finding : *header.findings()) {

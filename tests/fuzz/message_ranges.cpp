@@ -78,6 +78,12 @@ void check(const VolumeHeader& header) {
         in("gap_slabs", header.gap_slabs()->Get(i), 0, max_slab);
     }
     each(header.findings(), [](const Finding& finding) { known("finding", finding.kind()); });
+    in("windows", length(header.windows()), 0, max_windows);
+    each(header.windows(), [](const NamedWindow& window) {
+        in("width of a window", window.width(), least_window, most_window);
+        in("level of a window", window.level(), -most_window, most_window);
+    });
+    in("suv_per_value", header.suv_per_value(), 0, std::numeric_limits<double>::max());
 }
 
 void check(const Slices& slices) {

@@ -14,6 +14,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr GrayWindow soft_tissue_hu{400, 40};
+constexpr double most_uptake = 10;  // Standardized uptake value, g/ml.
 constexpr int histogram_bins = 1024, dark_per_mille = 5, bright_per_mille = 995;
 constexpr std::uint32_t opaque_black = 0xFF00'0000U;
 constexpr float letter_px = 18, title_px = 12, halo_px = 2, margin_px = 8, contour_px = 1.5F;
@@ -93,9 +94,20 @@ void add_letters(const SliceFrame& frame, const Picture& picture, const Caption&
 
 }  // namespace
 
+std::optional<GrayWindow> stated_window(const Volume& volume) {
+    if (volume.suv_per_value > 0) {
+        return GrayWindow{most_uptake / volume.suv_per_value,
+                          most_uptake / 2 / volume.suv_per_value};
+    }
+    if (!volume.windows.empty()) {
+        return GrayWindow{volume.windows.front().width, volume.windows.front().level};
+    }
+    return volume.modality == "CT" ? std::optional(soft_tissue_hu) : std::nullopt;
+}
+
 GrayWindow usual_window(const Volume& volume) {
-    if (volume.modality == "CT") {
-        return soft_tissue_hu;
+    if (const std::optional<GrayWindow> stated = stated_window(volume)) {
+        return *stated;
     }
     const Histogram counted = histogram(volume, histogram_bins);
     const double dark = quantile(counted, dark_per_mille);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -17,7 +18,11 @@ struct GrayWindow {
     double width = 1, level = 0;
 };
 
-/// For soft tissue if the volume is a CT, else without the darkest and brightest 0.5 %.
+/// The window that the file or the kind of scan gives: standardized uptake values from 0 to 10,
+/// else the file's preferred window, else for CT soft tissue. Nothing for other scans.
+std::optional<GrayWindow> stated_window(const Volume& volume);
+
+/// stated_window(), else a window without the darkest and brightest 0.5 %.
 GrayWindow usual_window(const Volume& volume);
 
 /// A surface's contours in a slice.

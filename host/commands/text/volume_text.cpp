@@ -126,6 +126,40 @@ std::array<glm::dvec3, 3> direction_cosines(const Volume& volume) {
     return cosines;
 }
 
+namespace {
+
+/// Adds unit and windows of the values to `text`, and returns the windows as fields.
+std::vector<Fields> tell_values(const Volume& volume, std::string& text) {
+    if (!volume.unit.empty()) {
+        text += fmt::format("; values in {}", volume.unit);
+    }
+    std::vector<Fields> windows;
+    for (const NamedWindow& window : volume.windows) {
+        text += fmt::format("{} {}{}window {:.6g} level {:.6g}",
+                            windows.empty() ? "\nof the file:" : ",", window.name,
+                            window.name.empty() ? "" : ": ", window.width, window.level);
+        windows.push_back(
+            {{"name", window.name}, {"window", window.width}, {"level", window.level}});
+    }
+    return windows;
+}
+
+/// Adds the findings to the reply's text and warnings, and returns them as fields.
+std::vector<Fields> tell_findings(const Volume& volume, Reply& reply) {
+    std::vector<Fields> notes;
+    for (const Finding& finding : volume.findings) {
+        const std::string kind = finding_name(finding.kind);
+        reply.text += fmt::format("\n{}: {}", kind, finding.text);
+        if (is_warning(finding.kind)) {
+            reply.warnings.push_back(fmt::format("{}: {}", kind, finding.text));
+        }
+        notes.push_back({{"kind", kind}, {"note", finding.text}});
+    }
+    return notes;
+}
+
+}  // namespace
+
 Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     const glm::dvec3 spacing = spacing_mm(volume),
                      extent =
@@ -144,6 +178,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     if (!volume.modality.empty()) {
         reply.text += "; " + volume.modality;
     }
+    const std::vector<Fields> windows = tell_values(volume, reply.text);
     const std::array<glm::dvec3, 3> cosines = direction_cosines(volume);
     reply.text += "\ndirections";
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -161,15 +196,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     if (detail == VolumeDetail::all) {
         reply.text += "\n" + histogram_text(counted, volume.reduction);
     }
-    std::vector<Fields> notes;
-    for (const Finding& finding : volume.findings) {
-        const std::string kind = finding_name(finding.kind);
-        reply.text += fmt::format("\n{}: {}", kind, finding.text);
-        if (is_warning(finding.kind)) {
-            reply.warnings.push_back(fmt::format("{}: {}", kind, finding.text));
-        }
-        notes.push_back({{"kind", kind}, {"note", finding.text}});
-    }
+    const std::vector<Fields> notes = tell_findings(volume, reply);
     std::vector<Fields> surfaces;
     for (const PhantomSurface& surface : suggested_surfaces(volume.name)) {
         reply.text += fmt::format("\nsuggested: surface {} iso={}", surface.name, surface.isovalue);
@@ -191,6 +218,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"quantiles", shares},
         {"histogram", histogram_fields(counted)},
         {"modality", volume.modality},
+        {"unit", volume.unit},
+        {"windows", windows},
+        {"suv_per_value", volume.suv_per_value},
         {"gap_slabs", std::vector<std::int64_t>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
         {"notes", notes},
         {"surfaces", surfaces}};

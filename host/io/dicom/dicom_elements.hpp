@@ -27,6 +27,13 @@ int unsigned_of(const gdcm::DataSet& data, gdcm::Tag tag);
 /// Throws   ImportError for a layout of the pixels on which GDCM asserts, or that it misreads.
 void read_pixel_layout(const std::string& file, const gdcm::DataSet& data, DicomSlice& slice);
 
+/// The unit of a PET file's values, and the factor to standardized uptake values by body weight.
+///
+/// The factor is weight / dose, where the dose is that of the time to which the values are
+/// corrected for decay. A file that lacks something for it has a reason in place of a factor.
+/// Source: DICOM PS3.3, C.8.9; QIBA's vendor-neutral SUV pseudo-code.
+DicomUptake read_uptake(const gdcm::DataSet& data);
+
 /// Throws   NoSlices if the file holds what is no volume of gray values: a directory of files, a
 ///          segmentation, float pixels.
 void refuse_other_kinds(const std::string& file, const gdcm::DataSet& data);

@@ -47,6 +47,17 @@ class FrameGroups {
         return numbers_of(name, *file_, tag);
     }
 
+    /// As numbers(), but the bytes.
+    std::string text(gdcm::Tag macro, gdcm::Tag tag) const {
+        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
+            std::string found = text_of(group->GetItem(1).GetNestedDataSet(), tag);
+            if (!found.empty()) {
+                return found;
+            }
+        }
+        return text_of(*file_, tag);
+    }
+
     bool has(gdcm::Tag macro) const { return !groups_of(macro).empty(); }
 
   private:
@@ -150,6 +161,34 @@ void read_scale(const std::string& file, const gdcm::DataSet& data, const FrameG
     }
 }
 
+/// Windows (0028,1050), (0028,1051) and their names (0028,1055). A window that is none is left out,
+/// as it only changes how values look.
+void read_windows(const std::string& file, const FrameGroups& groups, DicomSlice& slice) {
+    const gdcm::Tag macro(0x0028, 0x9132);
+    std::vector<double> levels, widths;
+    try {
+        levels = groups.numbers(file, macro, gdcm::Tag(0x0028, 0x1050));
+        widths = groups.numbers(file, macro, gdcm::Tag(0x0028, 0x1051));
+    } catch (const ImportError&) {
+        return;
+    }
+    const std::string names = groups.text(macro, gdcm::Tag(0x0028, 0x1055));
+    std::size_t begin = 0;
+    for (std::size_t k = 0; k < std::min(levels.size(), widths.size()); ++k) {
+        const std::size_t end = std::min(names.find('\\', begin), names.size());
+        const std::string name = trimmed(std::string_view(names).substr(begin, end - begin));
+        begin = std::min(end + 1, names.size());
+        const bool is_window = std::abs(levels[k]) <= most_window && widths[k] >= least_window &&
+                               widths[k] <= most_window;
+        const bool is_there = std::ranges::any_of(slice.windows, [&](const NamedWindow& other) {
+            return other.width == widths[k] && other.level == levels[k];
+        });
+        if (is_window && !is_there && slice.windows.size() < max_windows) {
+            slice.windows.push_back({shown(name), widths[k], levels[k]});
+        }
+    }
+}
+
 /// Signed distance of frames that have no positions of their own.
 std::optional<double> frame_step(const std::string& file, const gdcm::DataSet& data) {
     const std::vector<double> spacing = numbers_of(file, data, gdcm::Tag(0x0018, 0x0088));
@@ -223,6 +262,9 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     }
     slice.frames = static_cast<int>(frames);
     slice.is_lossy = is_lossy(reader, data);
+    if (slice.modality == "PT") {
+        slice.uptake = read_uptake(data);
+    }
     slice.frame_step_mm = frame_step(file, data);
     using gdcm::TransferSyntax;
     // Positions in a deflated file are not those in its text.
@@ -321,6 +363,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         read_position(file, groups, slice);
         read_spacing(file, data, groups, slice);
         read_scale(file, data, groups, slice);
+        read_windows(file, groups, slice);
         const auto thickness =
             groups.numbers(file, gdcm::Tag(0x0028, 0x9110), gdcm::Tag(0x0018, 0x0050));
         if (!thickness.empty() && thickness[0] > 0) {

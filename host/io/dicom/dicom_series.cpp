@@ -137,6 +137,41 @@ void report_slices(const Series& slices, std::vector<Finding>& findings) {
     }
 }
 
+/// Windows and unit of the slices. Where they differ, as windows of MR often do, those of the
+/// middle slice count. A factor to standardized uptake values must be that of all slices.
+void take_display(const Series& slices, Volume& volume) {
+    constexpr double tolerance = 1e-6;
+    const DicomSlice& middle = slices[slices.size() / 2];
+    volume.windows = middle.windows;
+    if (!middle.uptake) {
+        return;
+    }
+    const DicomUptake& uptake = *middle.uptake;
+    volume.unit = uptake.unit;
+    std::string reason = uptake.reason;
+    for (const DicomSlice& slice : slices) {
+        const DicomUptake other = slice.uptake.value_or(DicomUptake{});
+        if (!reason.empty()) {
+            break;
+        }
+        if (other.unit != uptake.unit || !other.reason.empty() ||
+            std::abs(other.suv_per_value - uptake.suv_per_value) >
+                tolerance * uptake.suv_per_value) {
+            reason = "slices differ in weight, dose or times";
+        }
+    }
+    if (reason.empty()) {
+        volume.suv_per_value = uptake.suv_per_value;
+        volume.findings.push_back(
+            {FindingKind::note, fmt::format("the standardized uptake value (SUV) by body weight "
+                                            "is the value x {:.6g}",
+                                            volume.suv_per_value)});
+    } else {
+        volume.findings.push_back(
+            {FindingKind::note, "no standardized uptake values (SUV): " + reason});
+    }
+}
+
 std::array<bool, 3> spacing_stated(const Series& slices) {
     const bool pixels = std::all_of(slices.begin(), slices.end(),
                                     [](const DicomSlice& slice) { return slice.spacing_stated; });
@@ -171,6 +206,7 @@ OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> sl
     volume.series = first.series;
     place_slices(ordered, request, volume);
     report_slices(ordered.slices, volume.findings);
+    take_display(ordered.slices, volume);
     const std::array<bool, 3> stated = spacing_stated(ordered.slices);
     return {{std::move(volume), stated}, std::move(ordered.slices)};
 }

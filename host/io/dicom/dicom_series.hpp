@@ -17,6 +17,13 @@ namespace pxpl5::host::io {
 
 inline constexpr std::size_t max_slices = 65'536;  ///< Files of a folder, and frames of all.
 
+/// What the values of a PET file are.
+struct DicomUptake {
+    std::string unit;          ///< Bq/ml, g/ml or as the file states it; empty if it does not.
+    double suv_per_value = 0;  ///< Standardized uptake value (g/ml) of a value of 1; 0: not known.
+    std::string reason;        ///< Why it is not known.
+};
+
 /// One slice: a file, or one frame of it.
 struct DicomSlice {
     std::filesystem::path path;
@@ -38,6 +45,8 @@ struct DicomSlice {
     /// Signed distance to the next frame where frames have no positions of their own.
     std::optional<double> frame_step_mm;
     Scale scale;
+    std::vector<NamedWindow> windows;      ///< In the order of the file.
+    std::optional<DicomUptake> uptake;     ///< The values of a PET file.
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
     /// Position of values that are little endian and neither compressed nor deflated.
     std::optional<std::uint64_t> raw_offset_bytes;

@@ -53,7 +53,11 @@ VolumeState volume_state(const Session& session) {
     state.size = numbers(glm::dvec3(volume.nx, volume.ny, volume.nz));
     state.spacing_mm = numbers(spacing_mm(volume));
     state.modality = volume.modality;
-    state.unit = volume.modality == "CT" ? "HU" : "";
+    state.unit = !volume.unit.empty() ? volume.unit : volume.modality == "CT" ? "HU" : "";
+    for (const NamedWindow& window : volume.windows) {
+        state.windows.push_back({window.name, window.width, window.level});
+    }
+    state.suv_per_value = volume.suv_per_value;
     state.minimum = volume.minimum;
     state.maximum = volume.maximum;
     state.gaps = static_cast<std::int64_t>(volume.gap_slabs.size());

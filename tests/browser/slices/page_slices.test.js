@@ -5,7 +5,7 @@ import test from 'node:test';
 import {placedIn} from '../../../host/serve/page/slices/slice_pixels.js';
 import {WHOLE, movedTo, revealed, zoomedAt}
   from '../../../host/serve/page/slices/slice_zoom.js';
-import {allValues, firstWindow, isHounsfield, mostValues, paintValues}
+import {allValues, firstWindow, isHounsfield, mostValues, ownWindows, paintValues}
   from '../../../host/serve/page/slices/windows.js';
 
 test('a window is black up to its lower end, white from its upper end on, even between', () => {
@@ -38,13 +38,26 @@ test('values of a file that states no modality are taken for CT by air and bone 
 });
 
 test('the first window of other scans has most values, if the histogram is known', () => {
-  const volume = {modality: 'US', minimum: 0, maximum: 255};
+  const volume = {modality: 'US', minimum: 0, maximum: 255, windows: [], suv_per_value: 0};
   assert.deepEqual(firstWindow(volume, null), {window: 255, level: 127.5});
   assert.deepEqual(firstWindow(volume, null), allValues(volume));
   const counts = {first: 0, width: 1, counts: Array.from({length: 100}, () => 10)};
   assert.deepEqual(firstWindow(volume, counts), {window: 96, level: 50});
-  const ct = {modality: 'CT', minimum: -1024, maximum: 3000};
+  const ct = {modality: 'CT', minimum: -1024, maximum: 3000, windows: [], suv_per_value: 0};
   assert.deepEqual(firstWindow(ct, counts), {window: 400, level: 40});
+});
+
+test('a scan begins with its own window, and PET with uptake values from 0 to 10', () => {
+  const lung = {name: 'lung', window: 1500, level: -600};
+  const second = {name: '', window: 400, level: 40};
+  const ct = {modality: 'CT', minimum: -1024, maximum: 3000, windows: [lung, second],
+    suv_per_value: 0};
+  assert.deepEqual(firstWindow(ct, null), {window: 1500, level: -600});
+  assert.deepEqual(ownWindows(ct).map(({name}) => name), ['lung', 'File 2']);
+  const pet = {...ct, modality: 'PT', windows: [second], suv_per_value: 0.001};
+  assert.deepEqual(firstWindow(pet, null), {window: 10_000, level: 5000});
+  assert.deepEqual(ownWindows(pet), [{name: 'SUV 0 to 5', window: 5000, level: 2500},
+    {name: 'SUV 0 to 10', window: 10_000, level: 5000}, {name: 'File', window: 400, level: 40}]);
 });
 
 test('a window of most values leaves out air around a patient, and single bright voxels', () => {

@@ -48,6 +48,21 @@ TEST_CASE("a slice names the settings by which the 3D picture hides parts of its
     CHECK(hidden_in_3d(scene, {}).empty());
 }
 
+TEST_CASE("uptake values decide a slice's window, then the file, then the kind of scan") {
+    Volume volume;
+    CHECK_FALSE(stated_window(volume));
+    volume.modality = "CT";
+    CHECK(stated_window(volume)->width == 400);
+    CHECK(stated_window(volume)->level == 40);
+    volume.windows = {{"lung", 1500, -600}, {"bone", 2000, 300}};
+    CHECK(stated_window(volume)->width == 1500);
+    CHECK(stated_window(volume)->level == -600);
+    CHECK(usual_window(volume).width == 1500);
+    volume.suv_per_value = 0.001;
+    CHECK(stated_window(volume)->width == doctest::Approx(10'000));
+    CHECK(stated_window(volume)->level == doctest::Approx(5'000));
+}
+
 TEST_CASE("the picture of a slice has the whole warning at any size") {
     const Slice slice = flat_slice();
     for (const int side : {96, 256, 512}) {

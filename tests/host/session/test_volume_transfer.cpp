@@ -26,7 +26,10 @@ Volume numbered_volume(int nx, int ny, int nz) {
     volume.type = Scalar::uint8;
     volume.voxel_to_patient[3] = {4, 5, 6, 1};
     volume.findings = {{FindingKind::missing_slices, "a slice is missing"}};
-    volume.modality = "CT";
+    volume.modality = "PT";
+    volume.unit = "Bq/ml";
+    volume.windows = {{"whole body", 10'000, 5'000}, {"brain", 40'000, 20'000}};
+    volume.suv_per_value = 0.000'25;
     volume.slabs_per_set = 3;
     for (int i = 0; i < nx * ny * nz; ++i) {
         volume.values.push_back(static_cast<std::byte>(i * 7));
@@ -116,6 +119,9 @@ TEST_SUITE("host/volume_transfer") {
         CHECK(arrived.voxel_to_patient == volume.voxel_to_patient);
         CHECK(arrived.findings == volume.findings);
         CHECK(arrived.modality == volume.modality);
+        CHECK(arrived.unit == volume.unit);
+        CHECK(arrived.windows == volume.windows);
+        CHECK(arrived.suv_per_value == volume.suv_per_value);
         CHECK(arrived.slabs_per_set == volume.slabs_per_set);
         CHECK(arrived.slice_places == volume.slice_places);
         CHECK(arrived.gap_slabs == volume.gap_slabs);

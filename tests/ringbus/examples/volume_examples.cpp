@@ -42,6 +42,12 @@ schema::VolumeHeaderT example_header() {
     header.slabs_per_set = 2;
     header.modality = "CT";
     header.series = "1.2.840.1";
+    header.unit = "HU";
+    header.windows.push_back(std::make_unique<schema::NamedWindowT>());
+    header.windows[0]->name = "lung";
+    header.windows[0]->width = 1500;
+    header.windows[0]->level = -600;
+    header.suv_per_value = 0.25;
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";

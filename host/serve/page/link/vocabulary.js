@@ -18,6 +18,9 @@ export const LIMITS = Object.freeze({
   min_spacing_mm: 0.0001,
   max_spacing_mm: 1000,
   max_smooth_mm: 100,
+  max_windows: 16,
+  least_window: 1e-06,
+  most_window: 1e+12,
   max_slab: 4094,
   max_detail: 3,
   max_isovalues: 4096,
@@ -128,6 +131,13 @@ export function readAnswerHeader(view) {
  */
 
 /**
+ * @typedef {object} WindowState
+ * @property {string} name
+ * @property {number} window
+ * @property {number} level
+ */
+
+/**
  * @typedef {object} VolumeState
  * @property {string} name
  * @property {string} source  file, folder or phantom:NAME
@@ -135,7 +145,9 @@ export function readAnswerHeader(view) {
  * @property {[number, number, number]} size  voxels
  * @property {[number, number, number]} spacing_mm
  * @property {string} modality  CT, MR, US, ...; empty if the file does not state it
- * @property {string} unit  of the values: HU, or empty
+ * @property {string} unit  of the values: HU, Bq/ml, ..., or empty
+ * @property {WindowState[]} windows  of gray values, as the file states them
+ * @property {number} suv_per_value  standardized uptake value (g/ml) of 1; 0 if not known
  * @property {number} minimum
  * @property {number} maximum
  * @property {number} gaps  places where slices are missing

@@ -51,8 +51,9 @@ export class SliceReadout {
    */
   tell(volume, voxel, value, where, slabs) {
     const [x, y, z] = nearestVoxel(volume, voxel);
-    const text = (/** @type {number} */ number) =>
-      `${significant(number, 6)} ${volume.unit}`.trim();
+    const text = (/** @type {number} */ number) => [significant(number, 6), volume.unit,
+      volume.suv_per_value > 0 ? `(SUV ${significant(number * volume.suv_per_value, 3)})` : '',
+    ].filter(Boolean).join(' ');
     this.element.replaceChildren(h('b', {}, text(value)),
       `${WHERE[where]} voxel ${x}, ${y}, ${z}`,
       h('span', {}, patientText(toPatient(volume, voxel))),

@@ -1,15 +1,16 @@
 // The window of the slices: two fields, presets, drags.
 import {h} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
+import {LIMITS} from '../link/vocabulary.js';
 import {numberField} from '../panel/panel_parts.js';
-import {CT_WINDOWS, allValues, firstWindow, isHounsfield, mostValues} from './windows.js';
+import {CT_WINDOWS, allValues, firstWindow, isHounsfield, mostValues, ownWindows}
+  from './windows.js';
 
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 /** @typedef {import('./windows.js').Counts} Counts */
 /** @typedef {import('./windows.js').Window} Window */
 
 const DRAG_ACROSS_RANGE = 400;  // CSS pixels of a drag per 1,000 values.
-const LEAST_WINDOW = 1e-6;
 const IN_FIRST_ROW = 3;         // Presets beside Auto and Full.
 
 export class WindowControls {
@@ -23,7 +24,7 @@ export class WindowControls {
     this.through = {window: 1, level: 0};
     /** @private */
     this.window_ = numberField('Window', 'slices-window', window =>
-      this.look({...this.through, window: Math.max(window, LEAST_WINDOW)}));
+      this.look({...this.through, window: Math.max(window, LIMITS.least_window)}));
     /** @private */
     this.level_ = numberField('Level', 'slices-level', level =>
       this.look({...this.through, level}));
@@ -33,7 +34,9 @@ export class WindowControls {
       () => this.counts_ && mostValues(this.counts_));
     const presets = CT_WINDOWS.map(({name, window, level}) => this.chip_(name, name,
       `Window ${short(window)}, level ${short(level)}`, () => ({window, level}), 'hounsfield'));
-    this.presets = h('div', {class: 'presets'}, ...presets.slice(0, IN_FIRST_ROW),
+    /** @private Windows of the scan itself. */
+    this.own_ = h('span', {class: 'own-windows'});
+    this.presets = h('div', {class: 'presets'}, this.own_, ...presets.slice(0, IN_FIRST_ROW),
       this.most_, this.chip_('full', 'Full', 'Full range of values',
         () => this.volume_ && allValues(this.volume_)));
     /** Further presets, for a place that may be closed. */
@@ -70,6 +73,11 @@ export class WindowControls {
         chip.toggleAttribute('hidden', !isHounsfield(volume));
       }
     }
+    const own = ownWindows(volume);
+    this.own_.hidden = own.length === 0;
+    this.own_.replaceChildren(...own.map(({name, window, level}, k) => this.chip_(`own-${k}`, name,
+      `${name.startsWith('SUV') ? 'Standardized uptake values' : 'As the file states'}: `
+      + `window ${short(window)}, level ${short(level)}`, () => ({window, level}))));
     if (!same) {
       this.count(null);
       this.look(firstWindow(volume, null));

@@ -17,6 +17,22 @@ export const CT_WINDOWS = [
   {name: 'Mediastinum', window: 350, level: 50},
 ];
 
+const MOST_WINDOWS = 4;         // Of the file, as buttons.
+const UPTAKES = [5, 10];        // Upper ends of windows of PET, in g/ml.
+
+/**
+ * The windows that belong to this scan: those of its file, and for PET with known standardized
+ * uptake values (SUV) two of these.
+ * @param {{windows: {name: string, window: number, level: number}[], suv_per_value: number}} volume
+ * @returns {{name: string, window: number, level: number}[]}
+ */
+export function ownWindows({windows, suv_per_value: each}) {
+  const uptakes = each > 0 ? UPTAKES.map(most =>
+    ({name: `SUV 0 to ${most}`, window: most / each, level: most / 2 / each})) : [];
+  return [...uptakes, ...windows.slice(0, MOST_WINDOWS).map(({name, window, level}, k) =>
+    ({name: name || (k > 0 ? `File ${k + 1}` : 'File'), window, level}))];
+}
+
 /**
  * Whether values are Hounsfield units: as the file states, or, as many formats state no modality,
  * as air and bone suggest. This decides a first window and nothing else.
@@ -28,13 +44,17 @@ export function isHounsfield({modality, minimum, maximum}) {
 }
 
 /**
- * The initial window of a volume.
- * @param {{modality: string, minimum: number, maximum: number}} volume
+ * The initial window of a volume, as for pictures of slices at the prompt: SUV from 0 to 10, else
+ * the first window of the file, else soft tissue for CT, else most values.
+ * @param {{modality: string, minimum: number, maximum: number, suv_per_value: number,
+ *   windows: {name: string, window: number, level: number}[]}} volume
  * @param {Counts | null} counts  The histogram; null if it is not known.
  * @returns {Window}
  */
 export function firstWindow(volume, counts) {
-  return isHounsfield(volume) ? {window: CT_WINDOWS[0].window, level: CT_WINDOWS[0].level}
+  const own = ownWindows(volume), first = own[volume.suv_per_value > 0 ? 1 : 0];
+  return first ? {window: first.window, level: first.level}
+    : isHounsfield(volume) ? {window: CT_WINDOWS[0].window, level: CT_WINDOWS[0].level}
     : counts ? mostValues(counts) : allValues(volume);
 }
 

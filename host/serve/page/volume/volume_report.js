@@ -44,6 +44,8 @@ function facts(volume) {
       : volume.modality + (kind ? `, ${kind}` : '')],
     ['Values', [significant(volume.minimum, 6), 'to', significant(volume.maximum, 6), volume.unit]
       .join(' ').trimEnd()],
+    ...volume.suv_per_value > 0 ? /** @type {[string, string][]} */ ([['SUV',
+      `value × ${significant(volume.suv_per_value, 4)} (by body weight)`]]) : [],
     ['Axes', directions(volume).join('\n')],
     ['Slices', volume.slice_places.length > 0 ? 'not evenly spaced' : 'evenly spaced'],
     ['Gaps', volume.gaps === 0 ? 'none'
