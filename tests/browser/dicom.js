@@ -4,10 +4,10 @@ import path from 'node:path';
 
 const EXPLICIT_LITTLE = '1.2.840.10008.1.2.1';
 const CT_STORAGE = '1.2.840.10008.5.1.4.1.1.2';
-const LONG = new Set(['OW']);  // Their length has four bytes.
+const LONG = new Set(['OW', 'SQ']);  // Their length has four bytes.
 
 /** One element; `value` is a text or a Buffer. */
-function element(group, number, vr, value) {
+export function element(group, number, vr, value) {
   let bytes = typeof value === 'string' ? Buffer.from(value) : value;
   if (bytes.length % 2) bytes = Buffer.concat([bytes, Buffer.from(vr === 'UI' ? '\0' : ' ')]);
   const head = Buffer.alloc(LONG.has(vr) ? 12 : 8);
@@ -19,6 +19,20 @@ function element(group, number, vr, value) {
   return Buffer.concat([head, bytes]);
 }
 
+/** A sequence of one item. */
+export function sequence(group, number, elements) {
+  const content = Buffer.concat(elements), head = Buffer.alloc(8);
+  head.writeUInt16LE(0xfffe, 0);
+  head.writeUInt16LE(0xe000, 2);
+  head.writeUInt32LE(content.length, 4);
+  return element(group, number, 'SQ', Buffer.concat([head, content]));
+}
+
+/** The number by which the elements of a file ascend. */
+function tagOf(bytes) {
+  return bytes.readUInt16LE(0) * 0x10000 + bytes.readUInt16LE(2);
+}
+
 function short(value) {
   const bytes = Buffer.alloc(2);
   bytes.writeUInt16LE(value);
@@ -26,7 +40,7 @@ function short(value) {
 }
 
 /** A slice of a ball of 400 HU. */
-function slice({ uid, number, description, modality, shift_mm, side, z }) {
+function slice({ uid, number, description, modality, shift_mm, side, z, elements }) {
   const pixels = Buffer.alloc(2 * side * side);
   for (let at = 0; at < side * side; at++) {
     const place = [at % side, Math.floor(at / side), z].map(each => each - (side - 1) / 2);
@@ -36,7 +50,7 @@ function slice({ uid, number, description, modality, shift_mm, side, z }) {
   const length = Buffer.alloc(4);
   length.writeUInt32LE(syntax.length);
   return Buffer.concat([
-    Buffer.alloc(128), Buffer.from('DICM'), element(0x0002, 0x0000, 'UL', length), syntax,
+    Buffer.alloc(128), Buffer.from('DICM'), element(0x0002, 0x0000, 'UL', length), syntax, ...[
     element(0x0008, 0x0016, 'UI', CT_STORAGE),
     element(0x0008, 0x0018, 'UI', `${uid}.${z + 1}`),
     element(0x0008, 0x0060, 'CS', modality),
@@ -58,23 +72,25 @@ function slice({ uid, number, description, modality, shift_mm, side, z }) {
     element(0x0028, 0x0103, 'US', short(1)),
     element(0x0028, 0x1052, 'DS', '0'),
     element(0x0028, 0x1053, 'DS', '1'),
-    element(0x7fe0, 0x0010, 'OW', pixels)]);
+    element(0x7fe0, 0x0010, 'OW', pixels), ...elements].sort((a, b) => tagOf(a) - tagOf(b))]);
 }
 
 /**
  * Writes a folder of series, a file for each slice.
- * @param {{description: string, side: number, modality?: string, shift_mm?: number}[]} series
+ * @param {{description: string, side: number, modality?: string, shift_mm?: number,
+ *   elements?: Buffer[]}[]} series
  *   with as many slices as pixels aside; `shift_mm` moves each slice to posterior, as a tilted
- *   gantry does
+ *   gantry does; `elements` are further ones of each slice
  * @returns {string[]} the files
  */
 export function writeSeries(folder, series) {
   mkdirSync(folder, { recursive: true });
-  return series.flatMap(({ description, side, modality = 'CT', shift_mm = 0 }, index) =>
+  return series.flatMap(({ description, side, modality = 'CT', shift_mm = 0, elements = [] },
+                         index) =>
     Array.from({ length: side }, (_, z) => {
       const file = path.join(folder, `${index}-${z}.dcm`);
       writeFileSync(file, slice({ uid: `1.2.3.${index + 1}`, number: index + 1, description,
-        modality, shift_mm, side, z }));
+        modality, shift_mm, side, z, elements }));
       return file;
     }));
 }
