@@ -47,7 +47,7 @@ class FrameGroups {
         return numbers_of(name, *file_, tag);
     }
 
-    /// As numbers(), but the bytes.
+    /// The same as numbers(), but as text.
     std::string text(gdcm::Tag macro, gdcm::Tag tag) const {
         for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
             std::string found = text_of(group->GetItem(1).GetNestedDataSet(), tag);

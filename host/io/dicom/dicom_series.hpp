@@ -17,7 +17,7 @@ namespace pxpl5::host::io {
 
 inline constexpr std::size_t max_slices = 65'536;  ///< Files of a folder, and frames of all.
 
-/// What the values of a PET file are.
+/// The values of a PET file: their unit, and what they are of the dose.
 struct DicomUptake {
     std::string unit;          ///< Bq/ml, g/ml or as the file states it; empty if it does not.
     double suv_per_value = 0;  ///< Standardized uptake value (g/ml) of a value of 1; 0: not known.

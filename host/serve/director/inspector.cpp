@@ -16,6 +16,7 @@
 #include "host/commands/text/slice_picture.hpp"
 #include "host/inspect/why/live_frame.hpp"
 #include "host/scene/oblique.hpp"
+#include "host/serve/director/slice_packing.hpp"
 #include "host/volume/reduced.hpp"
 
 namespace pxpl5::host::serve {
@@ -203,6 +204,26 @@ ObliquePlane plane_of(const Json& ask) {
     return plane;
 }
 
+/// Whether the page asks for packed bytes.
+bool wants_packed(const Json& ask) {
+    const auto found = ask.find("packed");
+    if (found != ask.end() && !found->is_boolean()) {
+        refuse(fmt::format("ask: 'packed' is {}; it must be true or false", shown(*found)));
+    }
+    return found != ask.end() && found->get<bool>();
+}
+
+/// Completes an answer to `ask slice`.
+/// packed  Its bytes, of which the first width * height values of `type` are the slice, are packed.
+void finish_slice(Answer& answer, Json& json, Scalar type, bool packed) {
+    if (packed) {
+        const auto count = json["width"].get<std::size_t>() * json["height"].get<std::size_t>();
+        json["packed"] = {{"bytes", answer.bytes.size()}};
+        answer.bytes = pack_slice(answer.bytes, count, size_bytes(type));
+    }
+    answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
 Answer answer_oblique(const Session& session, const Json& ask) {
     const ObliquePlane plane = plane_of(ask);
     const Volume& volume = session.volumes.volume();
@@ -220,7 +241,7 @@ Answer answer_oblique(const Session& session, const Json& ask) {
             contours.add(surface, oblique_contour(plane, values, surface.isovalue));
         }
     }
-    answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    finish_slice(answer, json, Scalar::float32, wants_packed(ask));
     return answer;
 }
 
@@ -238,6 +259,7 @@ Answer answer_slice(Session& session, const Json& ask) {
     const std::array counts = {volume.nx, volume.ny, volume.nz};
     const auto index = whole_of(ask, "index", 0, counts[axis] - 1);
     const std::optional<SlabWish> wish = slab_of(ask);
+    const bool packed = wants_packed(ask);
     const int along = static_cast<int>(axis), at = static_cast<int>(index);
     const Slab slab = wish ? session.voxels.slab(along, at, *wish)
                            : Slab{session.voxels.slice(along, at), {}, {at, at}};
@@ -259,7 +281,7 @@ Answer answer_slice(Session& session, const Json& ask) {
     if (wish) {
         append(answer.bytes, slice.values.data(), slice.values.size());
     }
-    answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+    finish_slice(answer, json, shown_values.type, packed);
     return answer;
 }
 

@@ -100,6 +100,26 @@ TEST_SUITE("inspector") {
         CHECK(pieces > 50);
         CHECK(answer.bytes.size() == padded + pieces * 4 * sizeof(float));
     }
+    TEST_CASE("packed bytes of a slice are smaller, and say how many they were") {
+        Loaded shown("phantom:torus");
+        shown.session.surfaces.set("ring", 30000.5, CaseRule::watertight, {1, 2, 255});
+        for (const char* of :
+             {R"("axis":"z","index":12)", R"("axis":"z","index":12,"slab_mm":4,"kind":"mean")"}) {
+            const auto asked = [&](const char* packed) {
+                return serve::answer(shown.session,
+                                     fmt::format(R"({{"ask":"slice",{}{}}})", of, packed));
+            };
+            const serve::Answer plain = asked(""), packed = asked(R"(,"packed":true)");
+            json told = json::parse(packed.json);
+            CHECK(told["packed"]["bytes"] == plain.bytes.size());
+            CHECK(packed.bytes.size() < plain.bytes.size());
+            told.erase("packed");
+            CHECK(told == json::parse(plain.json));
+            CHECK(asked(R"(,"packed":false)").bytes == plain.bytes);
+        }
+        CHECK(refused(shown.session, R"({"ask":"slice","axis":"z","index":1,"packed":1})") ==
+              "ask: 'packed' is 1; it must be true or false");
+    }
     TEST_CASE("a slab's bytes are its values, the contours of its middle, and the middle") {
         Loaded shown("phantom:torus");  // 80 x 64 x 32 voxels of uint16.
         Session& session = shown.session;

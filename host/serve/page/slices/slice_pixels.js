@@ -36,8 +36,11 @@ import {WHOLE} from './slice_zoom.js';
  * @property {Float32Array} segments            x, y, x, y of each, in pixels.
  */
 
-/** @type {Record<string, any>} */
-const ARRAYS = {
+/**
+ * The arrays of the types of values.
+ * @type {Record<string, any>}
+ */
+export const ARRAYS = {
   uint8: Uint8Array, int16: Int16Array, uint16: Uint16Array, float32: Float32Array,
 };
 const ALIGNMENT = 8;

@@ -1,4 +1,6 @@
-// Requests slices, newest only: one request per view is in flight, and the newest waits.
+// Requests slices, newest only: one request per view is in flight, and the newest waits. On a slow
+// link, slices are packed, and the next one in the direction of the last step is asked for ahead.
+import {CAN_UNPACK, unpacked} from './slice_packing.js';
 import {sliceOf} from './slice_pixels.js';
 
 /** @typedef {import('./slice_pixels.js').Slice} Slice */
@@ -7,9 +9,14 @@ import {sliceOf} from './slice_pixels.js';
  * @typedef {object} Question
  * @property {import('./slice_pixels.js').Axis | 'oblique'} axis
  * @property {number} [index]
+ * @property {number} [count]  Of the slices across the axis.
  * @property {import('./slice_slab.js').Slab} [slab]
  * @property {import('./slice_pixels.js').Oblique} [oblique]
  */
+
+const KEPT_BYTES = 24 * 2 ** 20;  // Values of the slices that a view keeps.
+const MOST_LONGER = 4;
+const SLOW_MS = 40;               // A link that takes longer for a slice is slow.
 
 export class SliceSource {
   /**
@@ -19,10 +26,18 @@ export class SliceSource {
   constructor(connection, to) {
     /** @private */ this.connection_ = connection;
     /** @private */ this.to_ = to;
-    /** @private @type {Question | null} */ this.next_ = null;
+    /** @private @type {Wish | null} */ this.next_ = null;
     /** @private */ this.busy_ = false;
     /** @private  The last request; '' to send it again. */
     this.asked_ = '';
+    /** @private  Counts requests. */ this.number_ = 0;
+    /** @private  The request whose slice is shown. */ this.shown_ = 0;
+    /** @private @type {{question: Question, of: string} | null} */ this.last_ = null;
+    /** @private  -1 or 1 after a step to the next slice, else 0. */ this.step_ = 0;
+    /** @private */ this.isSlow_ = CAN_UNPACK;
+    /** @private @type {Map<string, Slice>} The oldest use first. */ this.kept_ = new Map();
+    /** @private  Of the kept slices. */
+    this.bytes_ = 0;
     /** @private  Answers to questions of earlier epochs are dropped. */
     this.epoch_ = 0;
   }
@@ -31,6 +46,10 @@ export class SliceSource {
   forget() {
     this.asked_ = '';
     this.next_ = null;
+    this.last_ = null;
+    this.step_ = 0;
+    this.kept_.clear();
+    this.bytes_ = 0;
     ++this.epoch_;
   }
 
@@ -39,12 +58,21 @@ export class SliceSource {
    * @param {string} of       Identifies volume and contours, to skip repeated requests.
    */
   want(question, of) {
-    const asked = `${JSON.stringify(sent(question))} ${of}`;
+    const asked = keyOf(question, of);
     if (asked === this.asked_) {
       return;
     }
+    const step = (question.index ?? 0) - (this.last_?.question.index ?? NaN);
+    this.step_ = Math.abs(step) === 1 && isPlain(question) ? step : 0;
+    this.last_ = {question, of};
     this.asked_ = asked;
-    this.next_ = question;
+    this.next_ = {question, of, number: ++this.number_};
+    const kept = this.kept_.get(asked);
+    if (kept) {
+      this.keep_(asked, kept);
+      this.show_(kept, this.next_);
+      this.next_ = null;
+    }
     if (!this.busy_) {
       void this.work_();
     }
@@ -53,17 +81,16 @@ export class SliceSource {
   /** @private */
   async work_() {
     this.busy_ = true;
-    while (this.next_) {
-      const question = this.next_;
-      this.next_ = null;
-      const epoch = this.epoch_;
+    for (let wish = this.taken_(); wish; wish = this.taken_()) {
+      const epoch = this.epoch_, key = keyOf(wish.question, wish.of);
       try {
-        const answer = await this.connection_.ask({ask: 'slice', ...sent(question)});
+        const slice = this.kept_.get(key) ?? await this.fetch_(wish.question);
         if (epoch === this.epoch_) {
-          this.to_.slice(sliceOf(question, answer));
+          this.keep_(key, slice);
+          this.show_(slice, wish);
         }
       } catch (error) {
-        if (epoch === this.epoch_) {
+        if (epoch === this.epoch_ && !wish.isAhead) {
           this.asked_ = '';
           this.to_.failed(error instanceof Error ? error.message : String(error));
         }
@@ -71,6 +98,115 @@ export class SliceSource {
     }
     this.busy_ = false;
   }
+
+  /**
+   * The newest request, or one ahead of the user.
+   * @private
+   * @returns {Wish | null}
+   */
+  taken_() {
+    const wish = this.next_ ?? this.ahead_();
+    this.next_ = null;
+    return wish;
+  }
+
+  /**
+   * @private
+   * @returns {Wish | null}
+   */
+  ahead_() {
+    const {last_: last, step_: step} = this;
+    if (!last || step === 0 || !this.isSlow_) {
+      return null;
+    }
+    this.step_ = 0;  // Once for each step.
+    const {question: {index: at = 0, count = 0}, of} = last;
+    const index = at + step, question = {...last.question, index};
+    return index < 0 || index >= count || this.kept_.has(keyOf(question, of))
+      ? null : {question, of, number: 0, isAhead: true};
+  }
+
+  /**
+   * @private
+   * @param {Question} question
+   */
+  async fetch_(question) {
+    const begin = performance.now();
+    const answer = await this.connection_.ask({ask: 'slice', ...sent(question),
+      ...this.isSlow_ && {packed: true}});
+    const took = performance.now() - begin;
+    // Without packing. The time of a few bytes tells nothing about that of many.
+    const longer = (answer.json.packed?.bytes ?? 0) / Math.max(answer.bytes.byteLength, 1);
+    this.isSlow_ = CAN_UNPACK && took * Math.min(Math.max(longer, 1), MOST_LONGER) > SLOW_MS;
+    return sliceOf(question, await unpacked(answer));
+  }
+
+  /**
+   * Keeps a slice as the newest, and drops the oldest ones beyond the limit.
+   * @private
+   * @param {string} key
+   * @param {Slice} slice
+   */
+  keep_(key, slice) {
+    this.drop_(key);
+    this.kept_.set(key, slice);
+    this.bytes_ += bytesOf(slice);
+    for (const each of this.kept_.keys()) {
+      if (this.bytes_ <= KEPT_BYTES || each === key) {
+        break;
+      }
+      this.drop_(each);
+    }
+  }
+
+  /**
+   * @private
+   * @param {string} key
+   */
+  drop_(key) {
+    const slice = this.kept_.get(key);
+    this.bytes_ -= slice ? bytesOf(slice) : 0;
+    this.kept_.delete(key);
+  }
+
+  /**
+   * Shows a slice unless that of a later request is shown.
+   * @private
+   * @param {Slice} slice
+   * @param {Wish} wish
+   */
+  show_(slice, {number, isAhead}) {
+    if (!isAhead && number > this.shown_) {
+      this.shown_ = number;
+      this.to_.slice(slice);
+    }
+  }
+}
+
+/** @typedef {{question: Question, of: string, number: number, isAhead?: boolean}} Wish */
+
+/**
+ * @param {Question} question
+ * @param {string} of
+ */
+function keyOf(question, of) {
+  return `${JSON.stringify(sent(question))} ${of}`;
+}
+
+/**
+ * Values and segments share their memory.
+ * @param {Slice} slice
+ */
+function bytesOf({segments}) {
+  return segments.buffer.byteLength;
+}
+
+/**
+ * Whether a question is about one slice across an axis.
+ * @param {Question} question
+ */
+function isPlain({index, slab, oblique}) {
+  return index !== undefined && !oblique && !(slab && slab.mm > 0);
 }
 
 /**

@@ -304,7 +304,8 @@ export class SlicesPanel {
       slider.max = String(volume.size[through] - 1);
       slider.value = String(index);
       if (which(pane)) {
-        source.want({axis, index, slab: this.slabs.slabs[number]}, of);
+        source.want({axis, index, count: volume.size[through],
+          slab: this.slabs.slabs[number]}, of);
       }
     });
   }
