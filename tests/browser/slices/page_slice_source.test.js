@@ -47,6 +47,10 @@ function held(t, {ms, side = SIDE}) {
     want: (index, of = 'a') => source.want({axis: 'z', index, count: 20}, of),
     questions: () => asked.map(({question}) => question.index),
     last: () => asked.at(-1).question,
+    async refuse() {
+      asked.at(-1).reject(new Error('refused'));
+      await settle();
+    },
     async give() {
       const {question, answer} = asked.at(-1);
       now += ms;
@@ -116,6 +120,21 @@ test('on a slow link slices are packed, and the next in the direction comes ahea
   await give();
   assert.deepEqual(shown, [5, 6, 7, 8], 'it was under way, and is not asked for twice');
   assert.deepEqual(questions(), [5, 6, 7, 8, 9]);
+});
+
+test('a slice ahead that is refused is neither told nor asked for again', async t => {
+  const {want, give, refuse, questions, failures} = held(t, {ms: 300});
+  for (const index of [5, 6]) {
+    want(index);
+    await give();
+  }
+  await refuse();
+  assert.deepEqual(questions(), [5, 6, 7]);
+  assert.deepEqual(failures, []);
+  want(7);
+  await refuse();
+  assert.deepEqual(questions(), [5, 6, 7, 7, 8]);
+  assert.deepEqual(failures, ['refused']);
 });
 
 test('nothing comes ahead beyond the ends and after jumps', async t => {

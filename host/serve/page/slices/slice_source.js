@@ -119,7 +119,7 @@ export class SliceSource {
     if (!last || step === 0 || !this.isSlow_) {
       return null;
     }
-    this.step_ = 0;  // Once for each step.
+    this.step_ = 0;  // Once for each step, also if it fails.
     const {question: {index: at = 0, count = 0}, of} = last;
     const index = at + step, question = {...last.question, index};
     return index < 0 || index >= count || this.kept_.has(keyOf(question, of))
@@ -175,8 +175,8 @@ export class SliceSource {
    * @param {Slice} slice
    * @param {Wish} wish
    */
-  show_(slice, {number, isAhead}) {
-    if (!isAhead && number > this.shown_) {
+  show_(slice, {number}) {
+    if (number > this.shown_) {  // What comes ahead has the number 0.
       this.shown_ = number;
       this.to_.slice(slice);
     }
