@@ -55,7 +55,8 @@ async function writeSheet(browser, rows, theme, file) {
   const body = Object.entries(rows).map(([name, shots]) => `<tr><th>${name}</th>${shots.map(
     shot => `<td><img src="${shot}"></td>`).join('')}</tr>`).join('');
   await page.setContent(`<style>
-    body { display: inline-block; margin: 0; padding: 8px; font: 14px sans-serif; color: ${ink}; background: ${ground}; }
+    body { display: inline-block; margin: 0; padding: 8px; font: 14px sans-serif;
+      color: ${ink}; background: ${ground}; }
     td { text-align: center; } th { font-weight: normal; }
     img { display: block; margin: auto; max-width: ${THUMB_PX}px; max-height: ${THUMB_PX}px; }
     </style><table><tr><th>${theme}</th>${head}</tr>${body}</table>`);
