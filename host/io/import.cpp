@@ -388,4 +388,9 @@ Volume import_volume(const std::string& path) {
     return import_volume(request);
 }
 
+std::vector<DicomSlice> find_slices(const std::string& source, const AllowedFolders& allowed) {
+    return fs::is_directory(source) ? look_through(source, allowed).slices
+                                    : read_dicom_slices(source);
+}
+
 }  // namespace pxpl5::host::io

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
+#include "host/io/dicom/dicom_series.hpp"
 #include "host/io/values/import_request.hpp"
 #include "host/volume/volume.hpp"
 
@@ -17,5 +19,13 @@ namespace pxpl5::host::io {
 /// Throws   ImportError.
 Volume import_volume(const ImportRequest& request);
 Volume import_volume(const std::string& path);
+
+/// The slices of a DICOM file, or of all files of a folder that can be read, as import_volume()
+/// finds them. Nothing is decoded.
+///
+/// allowed  Folders to which links may lead, beside the folder itself.
+/// Throws   ImportError.
+std::vector<DicomSlice> find_slices(const std::string& source,
+                                    const std::vector<std::string>& allowed);
 
 }  // namespace pxpl5::host::io

@@ -11,6 +11,7 @@
 #include "host/io/export_requests.hpp"
 #include "host/io/limits.hpp"
 #include "host/io/node.hpp"
+#include "host/io/survey.hpp"
 #include "ringbus/process/process.hpp"
 
 namespace {
@@ -43,6 +44,9 @@ int main(int argc, char** argv) {
     host::io::limit_memory(limits);
     if (arguments.size() == 2 && arguments[1] == "--one-request") {
         return host::io::serve_one_request(limits, confines);
+    }
+    if (const auto question = host::io::take_survey(arguments)) {
+        return host::io::serve_survey(*question, {allowed, limits, confines});
     }
     std::vector<char*> rest;
     for (std::string& argument : arguments) {

@@ -105,4 +105,15 @@ Needs needs_of(const bus::Message& request, const std::vector<std::string>& allo
     return needs;
 }
 
+Needs needs_of_survey(const std::string& path, const std::vector<std::string>& allowed) {
+    Needs needs;
+    needs.files.readable.emplace_back(path);
+    std::error_code failure;
+    if (fs::is_directory(path, failure)) {
+        needs.files.readable.insert(needs.files.readable.end(), allowed.begin(), allowed.end());
+    }
+    add_system_files(needs.files);
+    return needs;
+}
+
 }  // namespace pxpl5::host::io

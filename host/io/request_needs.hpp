@@ -14,4 +14,7 @@ namespace pxpl5::host::io {
 /// allowed  Folders in which headers may name data files, beside their own.
 Needs needs_of(const bus::Message& request, const std::vector<std::string>& allowed);
 
+/// Returns the needs of a look through a file or a folder of DICOM files.
+Needs needs_of_survey(const std::string& path, const std::vector<std::string>& allowed);
+
 }  // namespace pxpl5::host::io

@@ -13,6 +13,7 @@
 #include <optional>
 #include <utility>
 
+#include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/machine/sessions/session_note.hpp"
@@ -21,6 +22,7 @@
 #include "host/serve/director/file_access.hpp"
 #include "host/serve/director/folder_list.hpp"
 #include "host/serve/director/inspector.hpp"
+#include "host/serve/director/scan_questions.hpp"
 #include "host/serve/job/job.hpp"
 #include "host/serve/limits/memory_limit.hpp"
 #include "host/serve/limits/time_limit.hpp"
@@ -108,6 +110,30 @@ std::optional<std::int64_t> end_by_user(const std::string& time_limit) {
     return time_limit.empty()
                ? std::nullopt
                : std::optional(std::time(nullptr) + parse_duration("--time-limit", time_limit));
+}
+
+/// Returns the parts of the questions about DICOM files. `access` and `server` must outlive the
+/// parts.
+ScanQuestions::Parts questions_of(const ServeOptions& options, const FileAccess& access,
+                                  Server& server) {
+    ScanQuestions::Parts parts;
+    parts.words = {(program_folder() / "pxpl5-io").string(), "--memory-mib",
+                   std::to_string(options.machine.io_memory_mib), "--cpu-s",
+                   std::to_string(options.machine.io_cpu_s)};
+    for (const std::string& folder : options.machine.io_allow) {
+        parts.words.push_back("--allow=" + folder);
+    }
+    if (!options.machine.io_sandbox) {
+        parts.words.emplace_back("--no-sandbox");
+    }
+    parts.check = [&access](const std::string& path) { access.check_read("ask", path); };
+    parts.send = [&server](std::uint32_t viewer, std::string text) {
+        server.send(viewer, std::move(text));
+    };
+    parts.send_binary = [&server](std::uint32_t viewer, std::string bytes) {
+        server.send_binary(viewer, std::move(bytes));
+    };
+    return parts;
 }
 
 /// access  Must outlive the parts.
@@ -214,8 +240,15 @@ int serve(const ServeOptions& options) {
         });
         FileAccess access = access_of(options, server_options);
         WebAudience audience(server);
+        ScanQuestions questions(questions_of(options, access, server));
         DirectorParts parts = parts_of(options, machine, access, note);
         parts.downloads = server_options.downloads;
+        parts.answer_later = [&questions](const Session& session, std::uint32_t viewer,
+                                          std::uint32_t id, std::string_view message) {
+            const bool has_volume = session.volumes.has_volume();
+            const Volume none, &open = has_volume ? session.volumes.volume() : none;
+            return questions.ask(viewer, id, message, {open.source, open.series});
+        };
         Director director(audience, std::move(parts));
         director.session().tell_opened = [&note](const std::string& volume) {
             change(note, [&](SessionFacts& facts) { facts.volume = volume; });

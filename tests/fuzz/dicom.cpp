@@ -9,6 +9,8 @@
 #include <string_view>
 #include <vector>
 
+#include "host/io/dicom/dicom_attributes.hpp"
+#include "host/io/dicom/dicom_file.hpp"
 #include "tests/fuzz/fuzz.hpp"
 #include "tests/fuzz/imported.hpp"
 #include "tests/fuzz/scratch.hpp"
@@ -43,6 +45,22 @@ void check_structure(const std::string& path, std::size_t size) {
     }
 }
 
+/// Attributes are few and short, whatever a file has.
+void read_all_attributes(const std::string& path) {
+    if (!host::io::begins_as_dicom(path)) {
+        return;
+    }
+    try {
+        const host::io::DicomAttributes found = host::io::read_attributes(path);
+        require(found.all.size() <= host::io::max_dicom_attributes, "too many attributes");
+        for (const host::io::DicomAttribute& each : found.all) {
+            require(each.value.size() <= 4 * host::io::max_value_chars, "a long value");
+        }
+    } catch (const host::io::ImportError& error) {
+        require(std::string(error.what()).starts_with(path), error.what());
+    }
+}
+
 /// The end of an input on which a library asserts. pxpl5-io ends there, and the host continues.
 sigjmp_buf refusal;
 bool is_importing = false;
@@ -54,13 +72,14 @@ constexpr std::string_view own_folder() {
     return here.substr(0, here.size() - name.size());
 }
 
-/// imports(), but an assertion of a library is a refusal.
-bool imports_or_asserts(const host::io::ImportRequest& request) {
+/// Reads the attributes of the file, and imports(), but an assertion of a library is a refusal.
+bool imports_or_asserts(const std::string& file, const host::io::ImportRequest& request) {
     if (sigsetjmp(refusal, 0) != 0) {
         is_importing = false;
         return false;
     }
     is_importing = true;
+    read_all_attributes(file);
     const bool accepted = imports(request);
     is_importing = false;
     return accepted;
@@ -90,10 +109,11 @@ bool accepts(Input input) {
         request.path = scratch.write(fmt::format("{:03}.dcm", i), files[i]);
         check_structure(request.path, files[i].size());
     }
+    const std::string last = request.path;
     if (files.size() > 1) {
         request.path = scratch.path().string() + "/.";
     }
-    return imports_or_asserts(request);
+    return imports_or_asserts(last, request);
 }
 
 }  // namespace pxpl5::fuzz

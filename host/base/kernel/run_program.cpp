@@ -23,7 +23,6 @@ namespace pxpl5::host {
 
 namespace {
 
-constexpr std::size_t max_output_bytes = 65'536;
 constexpr int kill_ms = 5000;  // A killed process ends late while the kernel waits for a disk.
 
 [[noreturn]] void refuse(const std::string& program, int error) {
@@ -41,15 +40,17 @@ int open_memory(const std::string& program, const char* name) {
 }
 
 /// Makes writes past the limit fail, so that the output cannot fill the memory.
-void limit_output(const std::string& program, const OwnedDescriptor& file) {
-    if (ftruncate(file.fd, max_output_bytes) < 0 || fcntl(file.fd, F_ADD_SEALS, F_SEAL_GROW) < 0) {
+void limit_output(const std::string& program, const OwnedDescriptor& file, std::size_t bytes) {
+    if (ftruncate(file.fd, static_cast<off_t>(bytes)) < 0 ||
+        fcntl(file.fd, F_ADD_SEALS, F_SEAL_GROW) < 0) {
         refuse(program, errno);
     }
 }
 
 /// Returns what the program has written. The program shares the file's offset.
-std::string text_of(const OwnedDescriptor& file) {
-    const auto size = std::clamp<off_t>(lseek(file.fd, 0, SEEK_CUR), 0, max_output_bytes);
+std::string text_of(const OwnedDescriptor& file, std::size_t most_bytes) {
+    const auto size =
+        std::clamp<off_t>(lseek(file.fd, 0, SEEK_CUR), 0, static_cast<off_t>(most_bytes));
     std::string text(static_cast<std::size_t>(size), '\0');
     const ssize_t got = pread(file.fd, text.data(), text.size(), 0);
     text.resize(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
@@ -111,11 +112,11 @@ int code_of(pid_t pid) {
 }  // namespace
 
 ProgramEnd run_program(std::vector<std::string> words, std::string_view input, int limit_ms,
-                       int stop_fd) {
+                       int stop_fd, std::size_t out_bytes) {
     const OwnedDescriptor in(open_memory(words[0], "in")), out(open_memory(words[0], "out")),
         errors(open_memory(words[0], "errors"));
-    limit_output(words[0], out);
-    limit_output(words[0], errors);
+    limit_output(words[0], out, out_bytes);
+    limit_output(words[0], errors, max_output_bytes);
     if (::write(in.fd, input.data(), input.size()) != static_cast<ssize_t>(input.size())) {
         refuse(words[0], errno);
     }
@@ -138,8 +139,8 @@ ProgramEnd run_program(std::vector<std::string> words, std::string_view input, i
     }
     const bool has_ended = end.is_in_time || ends_in_time(process, kill_ms, -1);
     end.code = has_ended ? code_of(pid) : 128 + SIGKILL;
-    end.out = text_of(out);
-    end.errors = text_of(errors);
+    end.out = text_of(out, out_bytes);
+    end.errors = text_of(errors, max_output_bytes);
     return end;
 }
 

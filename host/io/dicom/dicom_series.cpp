@@ -27,18 +27,6 @@ SeriesKey key_of(const DicomSlice& slice) {
     return {slice.series_number, "", slice.modality, slice.description, slice.columns, slice.rows};
 }
 
-std::vector<Series> series_of(std::vector<DicomSlice> slices) {
-    std::map<SeriesKey, Series> by_key;
-    for (DicomSlice& slice : slices) {
-        by_key[key_of(slice)].push_back(std::move(slice));
-    }
-    std::vector<Series> all;
-    for (auto& [key, series] : by_key) {
-        all.push_back(std::move(series));
-    }
-    return all;
-}
-
 /// "2: 1.2.840.1 'Thorax 3 mm', CT, 512x512x112, SeriesNumber 3".
 std::string line_of(std::size_t number, const Series& series) {
     const DicomSlice& first = series.front();
@@ -181,6 +169,18 @@ std::array<bool, 3> spacing_stated(const Series& slices) {
 }
 
 }  // namespace
+
+std::vector<Series> series_of(std::vector<DicomSlice> slices) {
+    std::map<SeriesKey, Series> by_key;
+    for (DicomSlice& slice : slices) {
+        by_key[key_of(slice)].push_back(std::move(slice));
+    }
+    std::vector<Series> all;
+    for (auto& [key, series] : by_key) {
+        all.push_back(std::move(series));
+    }
+    return all;
+}
 
 OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> slices,
                            const ImportRequest& request) {

@@ -79,6 +79,9 @@ struct UnreadablePixels : ImportError {
 /// ascending in space.
 using DecodeSlice = std::function<void(const DicomSlice&, ValueSink&)>;
 
+/// The slices of each series, in the order of `series=N`: the first series is number 1.
+std::vector<std::vector<DicomSlice>> series_of(std::vector<DicomSlice> slices);
+
 struct SeriesVolume {
     Volume volume;
     std::array<bool, 3> spacing_stated{};  ///< By the slices that were taken, along x, y, z.

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string_view>
 
+#include "host/io/dicom/dicom_attributes.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 
 namespace pxpl5::host::io {
@@ -30,5 +31,13 @@ std::vector<DicomSlice> read_dicom_slices(const std::filesystem::path& path) {
 
 // There are no slices without read_dicom_slices().
 void DicomPixels::add(const DicomSlice& /*slice*/, ValueSink& /*sink*/) {}
+
+DicomAttributes read_attributes(const std::filesystem::path& /*path*/) {
+    return {};
+}
+
+std::string DicomAttributes::value(std::uint16_t /*group*/, std::uint16_t /*element*/) const {
+    return "";
+}
 
 }  // namespace pxpl5::host::io

@@ -36,6 +36,11 @@ struct DirectorParts {
     std::function<void(const CommandDescriptor&, const Arguments&)> check_command;
     /// Answers an `ask` message with a binary message. Empty: the director answers no questions.
     std::function<std::string(Session&, std::uint32_t id, std::string_view message)> answer;
+    /// Returns whether the `ask` message of a viewer will be answered later, while the session goes
+    /// on. Empty: none is.
+    std::function<bool(const Session&, std::uint32_t viewer, std::uint32_t id,
+                       std::string_view message)>
+        answer_later;
     /// Returns the object of the message `machine`, the nodes' work. Empty: no such messages.
     std::function<std::string(Session&)> machine_text;
     std::function<std::int64_t()> clock_ns;                  ///< Monotonic clock.

@@ -223,6 +223,9 @@ void Director::tell_opened() {
 }
 
 void Director::answer_ask(const Wish& wish) {
+    if (parts_.answer_later && parts_.answer_later(*session_, wish.viewer, *wish.id, wish.text)) {
+        return;
+    }
     if (!parts_.answer) {
         refuse_command("ask: this program answers no such question");
     }

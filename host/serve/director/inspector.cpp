@@ -323,14 +323,17 @@ constexpr std::array questions = {Question{"slice", answer_slice}, Question{"scr
 
 Answer answer(Session& session, std::string_view message) {
     const Json ask = parse(message);
-    const std::string name = text_of(ask, "ask", "\"slice\", \"scrub\" or \"folder\"");
+    const std::string name =
+        text_of(ask, "ask", "\"slice\", \"scrub\", \"folder\", \"series\" or \"attributes\"");
     for (const Question& question : questions) {
         if (question.name == name) {
             return question.answer(session, ask);
         }
     }
-    refuse(fmt::format("ask: 'ask' is {}; it must be \"slice\", \"scrub\" or \"folder\"",
-                       shown(name)));
+    refuse(
+        fmt::format("ask: 'ask' is {}; it must be \"slice\", \"scrub\", \"folder\", \"series\" or "
+                    "\"attributes\"",
+                    shown(name)));
 }
 
 std::string answer_message(std::uint32_t id, const Answer& answer) {

@@ -119,7 +119,8 @@ class Server {
     /// Adds the event. Any thread may call this.
     void warn(EndsSoon soon);
 
-    /// Texts reach a viewer in the order of these calls, and binary messages with them.
+    /// Texts reach a viewer in the order of these calls, and binary messages with them. Any thread
+    /// may call send() and send_binary().
     void send(std::uint32_t viewer, std::string text);
     void broadcast(std::string text);
     void send_binary(std::uint32_t viewer, std::string bytes);

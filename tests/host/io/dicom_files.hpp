@@ -38,7 +38,7 @@ class DicomSet {
     }
     DicomSet& put(std::uint16_t group, std::uint16_t element, const std::string& vr,
                   const std::string& value) {
-        const bool is_long = vr == "OW" || vr == "OB" || vr == "OF" || vr == "SQ";
+        const bool is_long = vr == "OW" || vr == "OB" || vr == "OF" || vr == "SQ" || vr == "UN";
         elements_[{group, element}] =
             tag(group, element) + vr +
             (is_long ? std::string(2, '\0') + bytes_of(static_cast<std::uint32_t>(value.size()))

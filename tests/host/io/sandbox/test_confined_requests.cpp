@@ -11,6 +11,7 @@
 #include "host/io/node.hpp"
 #include "host/io/request_needs.hpp"
 #include "host/io/sandbox/sanitizer.hpp"
+#include "host/io/survey.hpp"
 #include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/sandbox/confined.hpp"
 #include "tests/host/io/volume_files.hpp"
@@ -65,6 +66,17 @@ std::string answer_to(const bus::Payload& request, const std::vector<std::string
             std::fprintf(stderr, "second: %s\n", fault.what());
         }
         return 0;
+    });
+    CHECK(ending.signal == 0);
+    return ending.log;
+}
+
+/// The lines of a confined process that answers the question of the words.
+std::string survey_of(const std::vector<std::string>& words,
+                      const std::vector<std::string>& allowed) {
+    const Ending ending = in_child([&] {
+        dup2(STDERR_FILENO, STDOUT_FILENO);
+        return serve_survey(take_survey(words).value(), {allowed, {0, 0}, true});
     });
     CHECK(ending.signal == 0);
     return ending.log;
@@ -197,6 +209,59 @@ TEST_SUITE("host/io/confined_requests") {
         const std::string allowed = answer_to(import_of(name("scan")), {name("elsewhere")});
         CHECK_MESSAGE(has(allowed, "VolumeEnd"), allowed);
         CHECK(!has(allowed, "is a link to"));
+    }
+
+    TEST_CASE("a confined process lists series inside its folder and in allowed folders") {
+        const TemporaryFolder base;
+        const auto name = [&base](const char* part) { return base.file(part); };
+        fs::create_directory(name("scan"));
+        fs::create_directory(name("elsewhere"));
+        base.write("scan/0.dcm", slice_at(0).text(8, 0x103e, "LO", "Knee").file());
+        base.write("scan/1.dcm", slice_at(1).text(8, 0x103e, "LO", "Knee").file());
+        base.write("scan/broken.dcm", slice_at(2).file().substr(0, 300));
+        base.write("elsewhere/secret.dcm", slice_at(2).text(8, 0x103e, "LO", "Knee").file());
+        fs::create_symlink(name("elsewhere/secret.dcm"), name("scan/2.dcm"));
+        const std::string two = survey_of({"pxpl5-io", "--series", name("scan")}, {});
+        CHECK_MESSAGE(has(two, R"("description":"Knee")"), two);
+        CHECK(has(two, R"("slices":2,)"));
+        CHECK(has(two, R"({"thumbnail":0,"width":2,"height":2,"pixels":")"));
+        CHECK(has(two, R"({"done":true})"));
+        const std::string three =
+            survey_of({"pxpl5-io", "--series", name("scan")}, {name("elsewhere")});
+        CHECK_MESSAGE(has(three, R"("slices":3,)"), three);
+        const auto attributes = [&](const std::string& path, const std::string& uid) {
+            return survey_of({"pxpl5-io", "--attributes", path, "series=" + uid}, {});
+        };
+        CHECK(has(attributes(name("scan"), "1.2.3"), R"(,"SeriesDescription","LO","Knee",false])"));
+        CHECK(has(attributes(name("scan"), "1.2.4"), "holds no DICOM slices of this series"));
+        CHECK(has(attributes(name("none"), "1.2.3"), "none"));
+    }
+
+    TEST_CASE("attributes of one of several series without a UID are refused") {
+        const TemporaryFolder folder;
+        for (const char* description : {"Hip", "Knee"}) {
+            folder.write(description,
+                         slice_at(0).text(8, 0x103e, "LO", description).remove(0x20, 0xe).file());
+        }
+        const std::string path = fs::path(folder.file("x")).parent_path().string();
+        const std::string refused = survey_of({"pxpl5-io", "--attributes", path, "series="}, {});
+        CHECK_MESSAGE(has(refused, "several series without a UID (0020,000e)"), refused);
+        CHECK(has(survey_of({"pxpl5-io", "--series", path}, {}), R"("number":2,"uid":"")"));
+    }
+
+    TEST_CASE("other words are no question, and a UID is no option") {
+        using Words = std::vector<std::string>;
+        CHECK(take_survey({"pxpl5-io", "--attributes", "/a", "series=--no-sandbox"})->series ==
+              "--no-sandbox");
+        for (const Words& words : {Words{"pxpl5-io"},
+                                   {"pxpl5-io", "--series"},
+                                   {"pxpl5-io", "--attributes", "/a"},
+                                   {"pxpl5-io", "--attributes", "/a", "1.2"},
+                                   {"pxpl5-io", "--serie", "/a"},
+                                   {"pxpl5-io", "--series", "/a", "series="}}) {
+            CAPTURE(words.size());
+            CHECK(!take_survey(words));
+        }
     }
 
     TEST_CASE("a request needs its own file or folder, and nothing else of the user's") {
