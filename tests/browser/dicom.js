@@ -40,7 +40,8 @@ function short(value) {
 }
 
 /** A slice of a ball of 400 HU. */
-function slice({ uid, number, description, modality, shift_mm, side, z, elements }) {
+function slice({ uid, number, description, modality, shift_mm, side, z, patient, study,
+                bodyPart, elements = [] }) {
   const pixels = Buffer.alloc(2 * side * side);
   for (let at = 0; at < side * side; at++) {
     const place = [at % side, Math.floor(at / side), z].map(each => each - (side - 1) / 2);
@@ -54,8 +55,11 @@ function slice({ uid, number, description, modality, shift_mm, side, z, elements
     element(0x0008, 0x0016, 'UI', CT_STORAGE),
     element(0x0008, 0x0018, 'UI', `${uid}.${z + 1}`),
     element(0x0008, 0x0060, 'CS', modality),
+    ...study ? [element(0x0008, 0x1030, 'LO', study)] : [],
     element(0x0008, 0x103e, 'LO', description),
-    element(0x0020, 0x000d, 'UI', '1.2.3'),
+    ...patient ? [element(0x0010, 0x0010, 'PN', patient)] : [],
+    ...bodyPart ? [element(0x0018, 0x0015, 'CS', bodyPart)] : [],
+    element(0x0020, 0x000d, 'UI', study ? `1.2.3.9.${study.length}` : '1.2.3'),
     element(0x0020, 0x000e, 'UI', uid),
     element(0x0020, 0x0011, 'IS', String(number)),
     element(0x0020, 0x0013, 'IS', String(z + 1)),
@@ -78,6 +82,7 @@ function slice({ uid, number, description, modality, shift_mm, side, z, elements
 /**
  * Writes a folder of series, a file for each slice.
  * @param {{description: string, side: number, modality?: string, shift_mm?: number,
+ *   patient?: string, study?: string, bodyPart?: string,
  *   elements?: Buffer[]}[]} series
  *   with as many slices as pixels aside; `shift_mm` moves each slice to posterior, as a tilted
  *   gantry does; `elements` are further ones of each slice
@@ -85,12 +90,11 @@ function slice({ uid, number, description, modality, shift_mm, side, z, elements
  */
 export function writeSeries(folder, series) {
   mkdirSync(folder, { recursive: true });
-  return series.flatMap(({ description, side, modality = 'CT', shift_mm = 0, elements = [] },
-                         index) =>
+  return series.flatMap(({ description, side, modality = 'CT', shift_mm = 0, ...rest }, index) =>
     Array.from({ length: side }, (_, z) => {
       const file = path.join(folder, `${index}-${z}.dcm`);
       writeFileSync(file, slice({ uid: `1.2.3.${index + 1}`, number: index + 1, description,
-        modality, shift_mm, side, z, elements }));
+        modality, shift_mm, side, z, ...rest }));
       return file;
     }));
 }

@@ -4,14 +4,13 @@ import {word} from '../link/lines.js';
 import {createFileBrowser} from './file_browser.js';
 import {createOptions} from './open_options.js';
 import {createRecentFiles, rememberFile} from './recent_files.js';
+import {createSeries} from './series_list.js';
 import {sourceOf} from './session_file.js';
 import {continueSession, openFiles} from './upload.js';
+import {UPLOAD} from './words.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('./upload.js').Named} Named */
-
-/** The server's folder of dropped files, which tells nothing to a person. */
-const UPLOAD = /\/\S*\/uploads\/\d+-[\w-]+\//;
 
 const PHANTOMS = [
   {name: 'pelvis', about: 'CT of skin and bone, as in the paper'},
@@ -32,14 +31,14 @@ export function createOpenDialog(app) {
   const options = createOptions();
   const dialog = h('dialog', {id: 'open', 'aria-labelledby': 'open-title', 'data-testid': 'open'});
   const wrong = h('p', {class: 'wrong', role: 'alert', hidden: true, 'data-testid': 'open-error'});
-  const series = createSeries();
+  const series = createSeries(app);
   let isLoading = false;
   let dropped = '';  // Path of the files that were not opened: options may be missing.
   /** @param {string} text  Why nothing was opened. */
   const say = text => {
     wrong.textContent = text;
     wrong.hidden = text === '';
-    series.show('', () => {});
+    series.show('', '', () => {});
     options.root.hidden = app.session.wanting !== null;  // The session has its own options.
     if (!dialog.open) {
       dialog.showModal();
@@ -70,7 +69,7 @@ export function createOpenDialog(app) {
     const error = (reply.error ?? '').replace(UPLOAD, '');
     say(error);
     [path.value, dropped] = UPLOAD.test(source) ? ['', source] : [source, ''];
-    const isChoice = series.show(error, number => {
+    const isChoice = series.show(error, source, number => {
       options.set('series', number);
       void load(source, options.words());
     });
@@ -159,31 +158,6 @@ export function createOpenDialog(app) {
       say('');
       path.focus();
     }
-  };
-}
-
-/** A folder's series, of which one is to be chosen. */
-function createSeries() {
-  const cards = h('div', {class: 'cards'}), title = h('p', {role: 'alert'});
-  const root = h('div', {hidden: true, role: 'group', 'aria-label': 'Series of the folder',
-    'data-testid': 'open-choice'}, title, cards);
-  return {
-    root,
-    /**
-     * Returns whether there is a choice.
-     * @param {string} error  Lines of the form "2: UID 'description', CT, 512x512x112".
-     * @param {(number: string) => void} choose
-     */
-    show: (error, choose) => {
-      const found = [...error.matchAll(/^ +(\d+): (?:\S+|\(no UID\)) '(.*)', (.*)$/gm)];
-      root.hidden = found.length === 0;
-      title.textContent = `${error.split(':')[0]} has ${found.length} series. Choose one:`;
-      cards.replaceChildren(...found.map(([, number, name, about]) => h('button', {class: 'card',
-        type: 'button', 'data-testid': `series-${number}`, onclick: () => choose(number)},
-        h('strong', {}, name || `Series ${number}`),
-        h('span', {class: 'muted'}, about.replace(/(\d)x(?=\d)/g, '$1 × ')))));
-      return found.length > 0;
-    },
   };
 }
 

@@ -3,6 +3,7 @@ import {h} from '../elements/dom.js';
 import {saveAs, saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
+import {createPrivacyHint} from './privacy.js';
 import {filmPart} from './save_film.js';
 import {baseName, choice} from './save_parts.js';
 import {picturePart} from './save_picture.js';
@@ -45,11 +46,13 @@ async function saveMesh(app, name, options) {
  */
 export function createSaveDialog(app) {
   const dialog = h('dialog', {id: 'save', 'aria-labelledby': 'save-title', 'data-testid': 'save'});
+  const privacy = createPrivacyHint(app);
   const picture = picturePart(app, dialog), film = filmPart(app, dialog);
   dialog.append(
     h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, 'Save'),
       h('button', {class: 'quiet icon', 'aria-label': 'Close',
         onclick: () => dialog.close()}, '×')),
+    privacy.root,
     picture.element, film.element, meshPart(app, dialog), sessionPart(app, dialog));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
@@ -62,6 +65,7 @@ export function createSaveDialog(app) {
       picture.refresh();
       film.refresh();
       dialog.showModal();
+      void privacy.show();
     }
   };
 }

@@ -2,6 +2,7 @@
 import {h} from '../elements/dom.js';
 import {counted, significant} from '../elements/numbers.js';
 import {intro, messageLine} from '../panel/panel_parts.js';
+import {createAttributes} from './attributes.js';
 
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
@@ -63,7 +64,8 @@ export function create(root, app) {
   const list = h('dl', {class: 'facts', 'data-testid': 'volume-facts'});
   const findings = h('ul', {class: 'findings', 'data-testid': 'volume-findings'});
   const message = messageLine('volume-message');
-  const body = h('div', {class: 'stack'}, title, list,
+  const attributes = createAttributes(app);
+  const body = h('div', {class: 'stack'}, title, list, attributes,
     h('h3', {}, 'About this scan'), findings);
   root.append(intro('Values from the file, derived values and assumptions.'),
     body, message.element);
@@ -74,6 +76,7 @@ export function create(root, app) {
       return;
     }
     title.textContent = volume.name;
+    attributes.hidden = app.connection.watches || volume.source.startsWith('phantom:');
     list.replaceChildren(...facts(volume).flatMap(([what, is]) => [h('dt', {}, what),
       h('dd', {}, is)]));
     findings.replaceChildren(...volume.findings.map(({kind, text}) =>

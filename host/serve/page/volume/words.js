@@ -1,5 +1,8 @@
-// Sizes and dates of files, as words.
+// Sizes, dates and folders of files, as words.
 import {grouped} from '../elements/numbers.js';
+
+/** The server's folder of dropped files, which tells nothing to a person. */
+export const UPLOAD = /\/\S*\/uploads\/\d+-[\w-]+\//;
 
 const UNITS = ['bytes', 'kB', 'MB', 'GB', 'TB'];
 

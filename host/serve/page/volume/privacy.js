@@ -1,0 +1,91 @@
+// Hints before a scan is shared: a patient's name, and a face.
+import {h} from '../elements/dom.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/**
+ * @typedef {object} Facts
+ * @property {boolean} isDicom
+ * @property {boolean} hasName   The header has a patient's name.
+ * @property {string} modality   '' if unknown.
+ * @property {string} bodyPart   BodyPartExamined; '' if unknown.
+ */
+
+// Words of DICOM PS3.16, annex L; "HEART" and "FOREARM" have an ear in them.
+const HEAD = new RegExp('HEAD|BRAIN|SKULL|FACE|FACIAL|ORBIT|SINUS|NECK|JAW|MANDIB|MAXILLA|ZYGOMA'
+  + '|NOSE|WHOLE ?BODY|\\b(EAR|EYE)S?\\b');
+const SHOWS_SKIN = new Set(['CT', 'MR', '']);
+
+/**
+ * Sentences; '' if there is nothing to say.
+ * @param {Facts} facts
+ */
+export function privacyText({isDicom, hasName, modality, bodyPart}) {
+  const sentences = [];
+  if (hasName) {
+    sentences.push('The header of this scan contains a patient\'s name. The names of its files and '
+      + 'folders may contain it, too. Check them before you share what you save.');
+  } else if (!isDicom) {
+    sentences.push('This page cannot tell whether the file names a patient.');
+  }
+  const face = 'a face can be recognized from the surface of the skin.';
+  if (SHOWS_SKIN.has(modality) && HEAD.test(bodyPart.toUpperCase())) {
+    sentences.push(`The header says that the scan may show a head: ${face}`);
+  } else if (SHOWS_SKIN.has(modality) && bodyPart === '') {
+    if (isDicom) {
+      sentences.push('The header does not state the part of the body.');
+    }
+    sentences.push(`If the scan shows a head, ${face}`);
+  }
+  return sentences.join(' ');
+}
+
+/**
+ * @param {any} json  Answer of the question `attributes`.
+ * @returns {Facts}
+ */
+export function factsOf(json) {
+  const value = (/** @type {number} */ group, /** @type {number} */ element) =>
+    String(json.attributes.find((/** @type {any[]} */ row) =>
+      row[0] === group && row[1] === element && row[2] === 0)?.[5] ?? '');
+  return {isDicom: true, hasName: /[^\s^=]/.test(value(0x10, 0x10)), modality: value(0x8, 0x60),
+    bodyPart: value(0x18, 0x15)};
+}
+
+/**
+ * A line that is filled by `show` before something is saved.
+ * @param {App} app
+ */
+export function createPrivacyHint(app) {
+  const root = h('p', {class: 'muted privacy', role: 'note', hidden: true,
+    'data-testid': 'privacy'});
+  let known = '';  // Identity of the volume that the text is about.
+  const show = async () => {
+    const volume = app.store.state?.volume;
+    if (!volume || volume.source.startsWith('phantom:')) {
+      known = '';
+      root.hidden = true;
+      return;
+    }
+    if (known === volume.identity) {
+      return;
+    }
+    const {identity} = volume;
+    known = identity;
+    root.textContent = 'Looking for a patient\'s name in the header …';
+    root.hidden = false;
+    /** @type {Facts} */
+    let facts = {isDicom: false, hasName: false, modality: volume.modality, bodyPart: ''};
+    let isRead = true;
+    try {
+      facts = factsOf((await app.connection.ask({ask: 'attributes'})).json);
+    } catch {
+      isRead = false;  // No DICOM file, or it cannot be read now: less is known.
+    }
+    if (known === identity) {
+      root.textContent = privacyText(facts);
+      root.hidden = root.textContent === '';
+      known = isRead ? identity : '';  // The next time asks again.
+    }
+  };
+  return {root, show};
+}
