@@ -1,17 +1,27 @@
-// The panels on the right, each behind a tab.
-import {byId, h} from '../elements/dom.js';
+// The rail: a column of icons, each with a panel, at the right; a row at the bottom of upright
+// windows.
+import {byId, h, update} from '../elements/dom.js';
+import {icon} from '../elements/icons.js';
 import {create as createInspector} from '../inspect/inspector.js';
 import {create as createMachine} from '../machine/machine_panel.js';
 import {create as createMeasure} from '../inspect/measure.js';
 import {create as createSlices} from '../slices/slices.js';
 import {create as createVolume} from '../volume/volume_report.js';
+import {Tips} from './tips.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+
+const UPRIGHT = '(max-width: 900px) and (orientation: portrait)';  // layouts.css: a row.
+/** Layouts.css: one of the sides at a time, and the surfaces have an icon, too. */
+const SINGLE = '(max-width: 699px) and (orientation: portrait)';
 
 /**
  * @typedef {object} Tab
  * @property {string} id       ID of the section, and in `data-testid="tab-ID"`.
  * @property {string} title
+ * @property {import('../elements/icons.js').IconName} glyph
  * @property {string} help     Tooltip, one line.
- * @property {(root: HTMLElement, app: import('../panel/app.js').App) => void} create
+ * @property {(root: HTMLElement, app: App) => void} [create]  Without: the left side.
  */
 
 /**
@@ -19,57 +29,98 @@ import {create as createVolume} from '../volume/volume_report.js';
  * @type {Tab[]}
  */
 const TABS = [
-  {id: 'slices', title: 'Slices', help: 'Three slices of the scan', create: createSlices},
-  {id: 'measure', title: 'Measure', help: 'Distances, angles, paths, regions',
+  {id: 'surfaces', title: 'Surfaces', glyph: 'surfaces',
+    help: 'Isovalues, clip planes, light and material'},
+  {id: 'slices', title: 'Slices', glyph: 'planes', help: 'Three slices of the scan',
+    create: createSlices},
+  {id: 'measure', title: 'Measure', glyph: 'ruler', help: 'Distances, angles, paths, regions',
     create: createMeasure},
-  {id: 'inspector', title: 'Inspector', help: 'Explains the color of a pixel',
+  {id: 'inspector', title: 'Inspector', glyph: 'lens', help: 'Explains the color of a pixel',
     create: createInspector},
-  {id: 'machine', title: 'Machine', help: 'Activity of the nodes', create: createMachine},
-  {id: 'volume', title: 'Volume', help: 'Geometry, values and warnings', create: createVolume},
+  {id: 'machine', title: 'Machine', glyph: 'ring', help: 'Activity of the nodes',
+    create: createMachine},
+  {id: 'volume', title: 'Volume', glyph: 'report', help: 'Geometry, values and warnings',
+    create: createVolume},
 ];
+const LEFT = 0, FIRST = 1;
 
-/** @param {import('../panel/app.js').App} app */
+/** @param {App} app */
 export function createTabs(app) {
-  const bar = byId('tabs');
-  const panels = byId('panels');
-  const made = TABS.map(({id, title, help, create}) => {
-    const section = h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
-      'aria-labelledby': `tab-${id}`, tabindex: 0});  // The keyboard scrolls it.
-    const button = h('button', {id: `tab-${id}`, role: 'tab', title: help, 'aria-selected': false,
-      'aria-controls': section.id, 'data-testid': `tab-${id}`, tabindex: -1}, title);
-    panels.append(section);
-    bar.append(button);
-    create(section, app);
-    return {button, section};
-  });
+  const bar = byId('tabs'), tips = new Tips();
+  const made = TABS.map(tab => makeTab(tab, app, tips));
+  bar.append(...made.map(({button}) => button));
+  const single = matchMedia(SINGLE), upright = matchMedia(UPRIGHT);
+  let shown = -1, right = FIRST;
 
-  const choose = (/** @type {number} */ chosen, focus = false) => {
+  const choose = (/** @type {number} */ chosen) => {
+    shown = chosen;
+    right = chosen === LEFT ? right : chosen;
+    byId('middle').parentElement?.classList.toggle('at-surfaces', chosen === LEFT);
     made.forEach(({button, section}, index) => {
       const now = index === chosen;
       button.setAttribute('aria-selected', String(now));
       button.tabIndex = now ? 0 : -1;
-      if (section.hidden === now) {
+      if (section && section.hidden === now) {
         section.hidden = !now;
         section.dispatchEvent(new Event(now ? 'panelshow' : 'panelhide'));
       }
-      if (now && focus) {
-        button.focus();
-      }
     });
   };
+  const follow = () => {
+    const left = byId('left');
+    made[LEFT].button.hidden = !single.matches;
+    update(left, {role: single.matches ? 'tabpanel' : null,
+      'aria-labelledby': single.matches ? `tab-${TABS[LEFT].id}` : null});
+    update(bar, {'aria-orientation': upright.matches ? 'horizontal' : 'vertical'});
+    // The histogram is where a phone's user begins.
+    if (shown === -1 || !single.matches && shown === LEFT) {
+      choose(single.matches ? LEFT : right);
+    }
+  };
   made.forEach(({button}, index) => {
-    button.addEventListener('click', () => choose(index));
+    button.addEventListener('click', () => {
+      choose(index);
+      const side = index === LEFT ? 'left' : 'right';
+      if (!app.layout.now[side]) {
+        app.layout.toggle(side);
+      }
+    });
     button.addEventListener('keydown', event => {
-      const step = event.key === 'ArrowRight' ? 1 : event.key === 'ArrowLeft' ? -1 : 0;
-      if (step !== 0) {
+      const step = new Map([['ArrowRight', 1], ['ArrowDown', 1], ['ArrowLeft', -1],
+        ['ArrowUp', -1]]).get(event.key);
+      if (step) {
         event.stopPropagation();
-        choose((index + step + made.length) % made.length, true);
+        event.preventDefault();
+        const open = made.map(each => each.button).filter(each => !each.hidden);
+        const next = open[(open.indexOf(button) + step + open.length) % open.length];
+        choose(made.findIndex(each => each.button === next));
+        next.focus();
       }
     });
   });
-  if (made.length > 0) {
-    choose(0);
+  single.addEventListener('change', follow);
+  upright.addEventListener('change', follow);
+  follow();
+}
+
+/**
+ * @param {Tab} tab
+ * @param {App} app
+ * @param {Tips} tips
+ */
+function makeTab({id, title, glyph, help, create}, app, tips) {
+  const section = create && h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
+    'aria-labelledby': `tab-${id}`, tabindex: 0});  // The keyboard scrolls it.
+  const button = h('button', {id: `tab-${id}`, role: 'tab', 'aria-selected': false,
+    'aria-controls': section?.id ?? 'left', 'data-testid': `tab-${id}`, tabindex: -1},
+  icon(glyph), h('span', {}, title));
+  tips.add(button, help);
+  if (section) {
+    section.append(h('h2', {class: 'unseen'}, title));
+    byId('panels').append(section);
+    create?.(section, app);
   }
+  return {button, section};
 }
 
 /**
