@@ -51,9 +51,24 @@ run_target() {
         >"$folder/$target.log" 2>&1 || touch "$folder/$target.failed"
     rmdir --ignore-fail-on-non-empty "$regressions"
 }
-export -f run_target
+# What is known must pass, also with --report: the corpus, and all inputs that failed once.
+replay_target() {
+    local folder=$1 top=$2 target=$3 inputs=() inputs_of
+    for inputs_of in corpus regressions; do
+        inputs_of=$top/tests/fuzz/$inputs_of/$target
+        [ ! -d "$inputs_of" ] || inputs+=("$inputs_of")
+    done
+    "$folder/fuzz_$target" -runs=0 -timeout=100 -rss_limit_mb=8192 -malloc_limit_mb=4096 \
+        -close_fd_mask=1 "${inputs[@]}" >"$folder/$target.replay.log" 2>&1 && return
+    echo "fuzz: $target fails for an input that is known:"
+    tail -n 30 "$folder/$target.replay.log"
+    return 1
+}
+export -f run_target replay_target
 export ASAN_OPTIONS=detect_leaks=1
 rm -f "$folder"/*.failed
+printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} \
+    bash -c 'replay_target "$@"' _ "$folder" "$top" {}
 printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} \
     bash -c 'run_target "$@"' _ "$folder" "$top" "$seconds" "$seed" {}
 

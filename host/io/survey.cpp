@@ -1,9 +1,12 @@
 #include "host/io/survey.hpp"
 
 #include <fmt/format.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <new>
@@ -203,6 +206,9 @@ std::optional<SurveyQuestion> take_survey(const std::vector<std::string>& argume
 
 int serve_survey(const SurveyQuestion& question, const SurveyLimits& limits) {
     constexpr int bad_data = 65;
+    constexpr unsigned most_s = 90;  // Above the limit of the server, which may be killed.
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    alarm(most_s);
     std::string reason;
     try {
         limit_next_request(limits.limits);

@@ -30,7 +30,7 @@ void read_pixel_layout(const std::string& file, const gdcm::DataSet& data, Dicom
 /// The unit of a PET file's values, and the factor to standardized uptake values by body weight.
 ///
 /// The factor is weight / dose, where the dose is that of the time to which the values are
-/// corrected for decay. A file that lacks something for it has a reason in place of a factor.
+/// corrected for decay. If something for it is missing or implausible, there is a reason instead.
 /// Source: DICOM PS3.3, C.8.9; QIBA's vendor-neutral SUV pseudo-code.
 DicomUptake read_uptake(const gdcm::DataSet& data);
 

@@ -1,4 +1,5 @@
 // Reads the headers of DICOM slices.
+#include "host/io/dicom/dicom_attributes.hpp"
 #include "host/io/dicom/dicom_elements.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/dicom/dicom_structure.hpp"
@@ -161,9 +162,10 @@ void read_scale(const std::string& file, const gdcm::DataSet& data, const FrameG
     }
 }
 
-/// Windows (0028,1050), (0028,1051) and their names (0028,1055). A window that is none is left out,
-/// as it only changes how values look.
-void read_windows(const std::string& file, const FrameGroups& groups, DicomSlice& slice) {
+/// Windows (0028,1050), (0028,1051) and their names (0028,1055). A wrong window is left out, as it
+/// only changes how values look.
+void read_windows(const std::string& file, const FrameGroups& groups, const std::string& charset,
+                  DicomSlice& slice) {
     const gdcm::Tag macro(0x0028, 0x9132);
     std::vector<double> levels, widths;
     try {
@@ -172,7 +174,7 @@ void read_windows(const std::string& file, const FrameGroups& groups, DicomSlice
     } catch (const ImportError&) {
         return;
     }
-    const std::string names = groups.text(macro, gdcm::Tag(0x0028, 0x1055));
+    const std::string names = utf8_of(groups.text(macro, gdcm::Tag(0x0028, 0x1055)), charset);
     std::size_t begin = 0;
     for (std::size_t k = 0; k < std::min(levels.size(), widths.size()); ++k) {
         const std::size_t end = std::min(names.find('\\', begin), names.size());
@@ -184,7 +186,7 @@ void read_windows(const std::string& file, const FrameGroups& groups, DicomSlice
             return other.width == widths[k] && other.level == levels[k];
         });
         if (is_window && !is_there && slice.windows.size() < max_windows) {
-            slice.windows.push_back({shown(name), widths[k], levels[k]});
+            slice.windows.push_back({name.substr(0, max_value_chars), widths[k], levels[k]});
         }
     }
 }
@@ -363,7 +365,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         read_position(file, groups, slice);
         read_spacing(file, data, groups, slice);
         read_scale(file, data, groups, slice);
-        read_windows(file, groups, slice);
+        read_windows(file, groups, text_of(data, gdcm::Tag(0x0008, 0x0005)), slice);
         const auto thickness =
             groups.numbers(file, gdcm::Tag(0x0028, 0x9110), gdcm::Tag(0x0018, 0x0050));
         if (!thickness.empty() && thickness[0] > 0) {

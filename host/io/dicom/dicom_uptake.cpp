@@ -2,12 +2,13 @@
 #include <fmt/format.h>
 #include <gdcmSequenceOfItems.h>
 
-#include <array>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "host/io/dicom/dicom_elements.hpp"
 #include "host/io/values/header_text.hpp"
@@ -17,6 +18,9 @@ namespace pxpl5::host::io {
 namespace {
 
 constexpr double day_s = 86'400;
+// Limits of what a scanner can have measured. A dose in MBq, for example, is below.
+constexpr double least_kg = 0.1, most_kg = 1000, least_bq = 1e5, most_bq = 1e11;
+constexpr double most_half_lives = 10;  ///< A thousandth is left then.
 
 /// The number that the digits from `first` on are; nothing if one is no digit.
 std::optional<int> digits(std::string_view text, std::size_t first, std::size_t count) {
@@ -85,19 +89,44 @@ std::optional<double> positive(const gdcm::DataSet& data, gdcm::Tag tag) {
     }
 }
 
-/// When the dose was given, in seconds: its own date and time, or a time of the scan's day. A time
-/// after the scan is one of the day before.
+/// Seconds by which a stated offset from UTC ("+0100", "-0530") is east of it.
+std::optional<double> offset_s(std::string_view text) {
+    const auto hours = digits(text, 1, 2), minutes = digits(text, 3, 2);
+    if (!hours || !minutes || (text[0] != '+' && text[0] != '-')) {
+        return std::nullopt;
+    }
+    const double east_s = *hours * 3600.0 + *minutes * 60.0;
+    return text[0] == '-' ? -east_s : east_s;
+}
+
+/// When the dose was given, in seconds of the scan's clock: its own date and time, or a time of the
+/// scan's day. A time after the scan is one of the day before.
 std::optional<double> injection_s(const gdcm::DataSet& data, const gdcm::DataSet& dose,
                                   double scan_s) {
     const std::string stated = text_of(dose, gdcm::Tag(0x0018, 0x1078));
+    const std::string clock_of_day = text_of(dose, gdcm::Tag(0x0018, 0x1072));
     if (stated.size() >= 10) {
-        // An offset from UTC may follow. The scan's date and time have none, so it counts for both.
-        const std::string clock = stated.substr(8, stated.find_first_of("+-", 8) - 8);
+        const std::size_t sign = std::min(stated.find_first_of("+-", 8), stated.size());
+        const std::string clock = stated.substr(8, sign - 8);
         const auto day = date_s(stated), within = time_s(clock);
-        return day && within ? std::optional(*day + *within) : std::nullopt;
+        if (!day || !within) {
+            return std::nullopt;
+        }
+        if (sign == stated.size()) {
+            return *day + *within;
+        }
+        // The scan's own offset. Without it, the clock must be the one that 1072 has.
+        const auto east_s = offset_s(std::string_view(stated).substr(sign));
+        const auto scan_east_s = offset_s(text_of(data, gdcm::Tag(0x0008, 0x0201)));
+        if (east_s && scan_east_s) {
+            return *day + *within - *east_s + *scan_east_s;
+        }
+        const auto local = time_s(clock_of_day);
+        return local && std::abs(*local - *within) < 1 ? std::optional(*day + *within)
+                                                       : std::nullopt;
     }
     const auto day = date_s(text_of(data, gdcm::Tag(0x0008, 0x0021)));
-    const auto within = time_s(text_of(dose, gdcm::Tag(0x0018, 0x1072)));
+    const auto within = time_s(clock_of_day);
     if (!day || !within) {
         return std::nullopt;
     }
@@ -121,6 +150,32 @@ DicomUptake without(std::string unit, std::string reason) {
     return {std::move(unit), 0, std::move(reason)};
 }
 
+/// An element's text with its tag, for a reason.
+std::string stated(const gdcm::DataSet& data, gdcm::Tag tag) {
+    return fmt::format("'{}' ({:04x},{:04x})", shown(text_of(data, tag)), tag.GetGroup(),
+                       tag.GetElement());
+}
+
+/// The factor for a dose that has decayed for `halves` half-lives.
+DicomUptake from_dose(const std::string& unit, double weight_kg, double dose_bq, double halves) {
+    if (weight_kg < least_kg || weight_kg > most_kg) {
+        return without(unit, fmt::format("the patient's weight (0010,1030) is {} kg, must be {} to "
+                                         "{}",
+                                         weight_kg, least_kg, most_kg));
+    }
+    if (dose_bq < least_bq || dose_bq > most_bq) {
+        return without(unit, fmt::format("the dose (0018,1074) is {} Bq, must be {} to {}", dose_bq,
+                                         least_bq, most_bq));
+    }
+    if (halves > most_half_lives) {
+        return without(unit, fmt::format("{:.4g} half-lives lie between the injection and the "
+                                         "scan, must be at most {}: one of the times may be wrong",
+                                         halves, most_half_lives));
+    }
+    constexpr double grams_per_kg = 1000;
+    return {unit, weight_kg * grams_per_kg / (dose_bq * std::exp2(-halves)), ""};
+}
+
 /// The factor of values in Bq/ml.
 DicomUptake from_activity(const gdcm::DataSet& data) {
     const std::string unit = "Bq/ml";
@@ -142,10 +197,9 @@ DicomUptake from_activity(const gdcm::DataSet& data) {
     if (!dose_bq) {
         return without(unit, "the dose (0018,1074) is not stated");
     }
-    constexpr double grams_per_kg = 1000;
     const std::string decay = text_of(data, gdcm::Tag(0x0054, 0x1102));
     if (decay == "ADMIN") {
-        return {unit, *weight_kg * grams_per_kg / *dose_bq, ""};
+        return from_dose(unit, *weight_kg, *dose_bq, 0);
     }
     if (decay != "START") {
         return without(unit, fmt::format("decay correction (0054,1102) is '{}', must be START or "
@@ -153,28 +207,34 @@ DicomUptake from_activity(const gdcm::DataSet& data) {
                                          shown(decay)));
     }
     const auto half_life_s = positive(*tracer, gdcm::Tag(0x0018, 0x1075));
-    const auto scan_s = moment_s(data, gdcm::Tag(0x0008, 0x0021), gdcm::Tag(0x0008, 0x0031));
-    const auto acquired_s = moment_s(data, gdcm::Tag(0x0008, 0x0022), gdcm::Tag(0x0008, 0x0032));
-    if (!half_life_s || !scan_s || !acquired_s) {
-        return without(unit,
-                       "half-life (0018,1075), time of the series or of the acquisition is "
-                       "not stated");
+    if (!half_life_s) {
+        return without(unit, "the half-life (0018,1075) is not stated");
+    }
+    const gdcm::Tag series_date(0x0008, 0x0021), series_time(0x0008, 0x0031);
+    const gdcm::Tag acquired_date(0x0008, 0x0022), acquired_time(0x0008, 0x0032);
+    const auto scan_s = moment_s(data, series_date, series_time);
+    if (!scan_s) {
+        return without(unit, fmt::format("the series has no valid date {} or time {}",
+                                         stated(data, series_date), stated(data, series_time)));
+    }
+    const auto acquired_s = moment_s(data, acquired_date, acquired_time);
+    if (!acquired_s) {
+        return without(unit, fmt::format("the acquisition has no valid date {} or time {}",
+                                         stated(data, acquired_date), stated(data, acquired_time)));
     }
     if (*scan_s > *acquired_s) {
         return without(unit,
                        "the series is later than its acquisition: it was processed, and "
                        "does not state to which time its values are corrected");
     }
+    const gdcm::Tag moment(0x0018, 0x1078), clock(0x0018, 0x1072);
     const auto given_s = injection_s(data, *tracer, *scan_s);
     if (!given_s || *given_s > *scan_s) {
-        return without(unit,
-                       "the time of the injection (0018,1078 or 1072) is not stated, or is "
-                       "after the scan");
+        return without(unit, fmt::format("the injection has no usable time: {} or {}, must be "
+                                         "before the series",
+                                         stated(*tracer, moment), stated(*tracer, clock)));
     }
-    const double left_bq = *dose_bq * std::exp2(-(*scan_s - *given_s) / *half_life_s);
-    const double factor = *weight_kg * grams_per_kg / left_bq;
-    return std::isfinite(factor) ? DicomUptake{unit, factor, ""}
-                                 : without(unit, "nothing is left of the dose at the scan");
+    return from_dose(unit, *weight_kg, *dose_bq, (*scan_s - *given_s) / *half_life_s);
 }
 
 }  // namespace

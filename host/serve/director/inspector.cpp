@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -218,8 +219,12 @@ bool wants_packed(const Json& ask) {
 void finish_slice(Answer& answer, Json& json, Scalar type, bool packed) {
     if (packed) {
         const auto count = json["width"].get<std::size_t>() * json["height"].get<std::size_t>();
-        json["packed"] = {{"bytes", answer.bytes.size()}};
+        const std::size_t bytes = answer.bytes.size();
+        const auto begin = std::chrono::steady_clock::now();
         answer.bytes = pack_slice(answer.bytes, count, size_bytes(type));
+        const std::chrono::duration<double, std::milli> took =
+            std::chrono::steady_clock::now() - begin;
+        json["packed"] = {{"bytes", bytes}, {"ms", took.count()}};
     }
     answer.json = json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

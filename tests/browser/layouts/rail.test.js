@@ -43,7 +43,9 @@ test('a tooltip appears under a mouse and with the focus; Escape hides it', asyn
   assert.equal(await tab.getAttribute('aria-describedby'), await tip.getAttribute('id'));
   const box = await tip.boundingBox(), own = await tab.boundingBox();
   assert.ok(box.x > 0 && box.x + box.width <= own.x, `beside the tab: ${JSON.stringify(box)}`);
-  await tip.hover();
+  // Slowly, also across the gap between them.
+  await page.mouse.move(own.x + 2, own.y + own.height / 2);
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 60 });
   assert.ok(await tip.isVisible(), 'the pointer may go to the tooltip');
   await page.mouse.move(200, 300);
   await tip.waitFor({ state: 'hidden' });

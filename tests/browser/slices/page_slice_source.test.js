@@ -101,6 +101,19 @@ test('a late answer does not replace a kept slice that was asked for after it', 
   assert.deepEqual(shown, [3, 3]);
 });
 
+test('an error is not told over a slice that was asked for after it', async t => {
+  const {want, give, refuse, failures} = held(t, {ms: 1});
+  want(3);
+  await give();
+  want(9);
+  want(3);
+  await refuse();
+  assert.deepEqual(failures, []);
+  want(9);
+  await refuse();
+  assert.deepEqual(failures, ['refused']);
+});
+
 test('on a slow link slices are packed, and the next in the direction comes ahead', async t => {
   const {want, give, shown, questions, last} = held(t, {ms: 300});
   want(5);

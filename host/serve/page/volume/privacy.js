@@ -10,9 +10,12 @@ import {h} from '../elements/dom.js';
  * @property {string} bodyPart   BodyPartExamined; '' if unknown.
  */
 
-// Words of DICOM PS3.16, annex L; "HEART" and "FOREARM" have an ear in them.
-const HEAD = new RegExp('HEAD|BRAIN|SKULL|FACE|FACIAL|ORBIT|SINUS|NECK|JAW|MANDIB|MAXILLA|ZYGOMA'
-  + '|NOSE|WHOLE ?BODY|\\b(EAR|EYE)S?\\b');
+// Parts of the body without a face (DICOM PS3.16, annex L). Any other word may mean a head, in any
+// language. Skin is rarely seen in ultrasound, and never in PET.
+const NO_HEAD = new RegExp('^(CHEST|THORAX|HEART|CORONARY|LUNGS?|BREASTS?|RIBS?|STERNUM|ABDOMEN'
+  + '|LIVER|KIDNEYS?|PANCREAS|SPLEEN|COLON|PELVIS|BLADDER|PROSTATE|UTERUS|HIPS?|TSPINE|LSPINE'
+  + '|SSPINE|COCCYX|SHOULDERS?|CLAVICLE|SCAPULA|ARMS?|ELBOWS?|FOREARMS?|WRISTS?|HANDS?|FINGERS?'
+  + '|LEGS?|THIGHS?|FEMUR|KNEES?|CALF|ANKLES?|FOOT|FEET|TOES?|EXTREMITY)$');
 const SHOWS_SKIN = new Set(['CT', 'MR', '']);
 
 /**
@@ -22,19 +25,21 @@ const SHOWS_SKIN = new Set(['CT', 'MR', '']);
 export function privacyText({isDicom, hasName, modality, bodyPart}) {
   const sentences = [];
   if (hasName) {
-    sentences.push('The header of this scan contains a patient\'s name. The names of its files and '
-      + 'folders may contain it, too. Check them before you share what you save.');
+    sentences.push('The header of this scan contains a patient\'s name. So may the names of its '
+      + 'files and folders, other attributes, and the pictures. Check them before you share '
+      + 'anything.');
   } else if (!isDicom) {
     sentences.push('This page cannot tell whether the file names a patient.');
   }
   const face = 'a face can be recognized from the surface of the skin.';
-  if (SHOWS_SKIN.has(modality) && HEAD.test(bodyPart.toUpperCase())) {
-    sentences.push(`The header says that the scan may show a head: ${face}`);
-  } else if (SHOWS_SKIN.has(modality) && bodyPart === '') {
+  const hasNoHead = bodyPart.toUpperCase().split(/[^A-Z]+/).every(word => NO_HEAD.test(word));
+  if (SHOWS_SKIN.has(modality) && bodyPart === '') {
     if (isDicom) {
       sentences.push('The header does not state the part of the body.');
     }
     sentences.push(`If the scan shows a head, ${face}`);
+  } else if (SHOWS_SKIN.has(modality) && !hasNoHead) {
+    sentences.push(`The header states the part "${bodyPart}". If a head is seen, ${face}`);
   }
   return sentences.join(' ');
 }

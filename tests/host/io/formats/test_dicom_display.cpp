@@ -73,6 +73,19 @@ TEST_SUITE("host/io/dicom_display") {
                                                                  {"", 2000, 300}});
     }
 
+    TEST_CASE("names of windows keep their letters") {
+        DicomSet set = slice_at(0, "CT");
+        set.text(8, 5, "CS", "ISO_IR 100").text(0x28, 0x1050, "DS", "40");
+        set.text(0x28, 0x1051, "DS", "400")
+            .text(0x28, 0x1055, "LO",
+                  "Sch\xe4"
+                  "del");
+        REQUIRE(volume_of(set).windows.size() == 1);
+        CHECK(volume_of(set).windows[0].name ==
+              "Sch\xc3\xa4"
+              "del");
+    }
+
     TEST_CASE("a window that is none is left out, and the file is read") {
         DicomSet set = slice_at(0, "CT");
         set.text(0x28, 0x1050, "DS", "40\\1e300\\50").text(0x28, 0x1051, "DS", "0\\400\\nan");
@@ -108,15 +121,47 @@ TEST_SUITE("host/io/dicom_display") {
 
     TEST_CASE("an injection has its own date, or was before midnight") {
         DicomSet given = tracer(), set = pet_at(0);
-        // A day later at the scan: 25 half-lives.
-        given.text(0x18, 0x1078, "DT", "20240228090000.5+0100");
+        given.text(0x18, 0x1078, "DT", "20240229060000.5");  // Four half-lives before.
         CHECK(volume_of(set.sequence(0x54, 0x16, {given})).suv_per_value ==
-              doctest::Approx(50'000 / 200e6 * std::exp2(25)).epsilon(1e-12));
+              doctest::Approx(50'000 / 12.5e6).epsilon(1e-12));
         set = pet_at(0);
         set.text(8, 0x31, "TM", "0030").text(8, 0x32, "TM", "0030");
         given = tracer();
         given.text(0x18, 0x1072, "TM", "2330");
         CHECK(volume_of(set.sequence(0x54, 0x16, {given})).suv_per_value ==
+              doctest::Approx(expected_suv).epsilon(1e-12));
+    }
+
+    TEST_CASE("a clock that differs, or a dose in MBq, gives no uptake values") {
+        DicomSet given = tracer();
+        given.text(0x18, 0x1072, "TM", "100500");  // Five minutes after the scan: a day before.
+        CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {given})).starts_with("23.92 half-lives"));
+        given = tracer();
+        given.text(0x18, 0x1074, "DS", "200");
+        CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {given}))
+                  .starts_with("the dose (0018,1074)"
+                               " is 200 Bq"));
+        given.text(0x18, 0x1074, "DS", "1e-300");
+        DicomSet admin = pet_at(0);
+        admin.text(0x54, 0x1102, "CS", "ADMIN").text(0x10, 0x1030, "DS", "70");
+        CHECK(reason_of(admin.sequence(0x54, 0x16, {given})).starts_with("the dose"));
+        CHECK(reason_of(pet_at(0).text(0x10, 0x1030, "DS", "70000")).find("70000 kg") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("an offset from UTC counts against that of the scan") {
+        DicomSet given = tracer(), set = pet_at(0);
+        given.text(0x18, 0x1078, "DT", "20240229080000.5+0000");
+        // Two hours before by the clocks, one hour before in truth.
+        set.text(8, 0x201, "SH", "+0100");
+        CHECK(volume_of(set.sequence(0x54, 0x16, {given})).suv_per_value ==
+              doctest::Approx(expected_suv).epsilon(1e-12));
+        set.text(8, 0x201, "SH", "-0530");
+        CHECK(reason_of(set).empty() == false);  // Then it is after the scan.
+        // Without the scan's offset, the clock must be that of 1072, which says 09:00.
+        CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {given})).starts_with("the injection"));
+        given.text(0x18, 0x1078, "DT", "20240229090000.5+0000");
+        CHECK(volume_of(pet_at(0).sequence(0x54, 0x16, {given})).suv_per_value ==
               doctest::Approx(expected_suv).epsilon(1e-12));
     }
 
@@ -139,6 +184,7 @@ TEST_SUITE("host/io/dicom_display") {
     TEST_CASE("what is missing for uptake values is named") {
         CHECK(reason_of(pet_at(0).remove(0x10, 0x1030)).starts_with("the patient's weight"));
         CHECK(reason_of(pet_at(0).text(0x10, 0x1030, "DS", "0")).starts_with("the patient's"));
+        CHECK(reason_of(pet_at(0).text(8, 0x32, "TM", "")).starts_with("the acquisition has no"));
         CHECK(reason_of(pet_at(0).remove(0x54, 0x16)).starts_with("the dose"));
         CHECK(reason_of(pet_at(0).text(0x28, 0x51, "CS", "DECY")).find("must have ATTN") !=
               std::string::npos);
@@ -148,11 +194,13 @@ TEST_SUITE("host/io/dicom_display") {
               std::string::npos);
         CHECK(reason_of(pet_at(0).text(8, 0x31, "TM", "120000")).find("processed") !=
               std::string::npos);
-        CHECK(reason_of(pet_at(0).text(8, 0x31, "TM", "2560")).starts_with("half-life"));
-        CHECK(reason_of(pet_at(0).text(8, 0x21, "DA", "20230229")).starts_with("half-life"));
+        CHECK(reason_of(pet_at(0).text(8, 0x31, "TM", "2560")).find("time '2560' (0008,0031)") !=
+              std::string::npos);
+        CHECK(reason_of(pet_at(0).text(8, 0x21, "DA", "20230229")).find("date '20230229'") !=
+              std::string::npos);
         DicomSet later = tracer();
         later.text(0x18, 0x1078, "DT", "20240229110000");
-        CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {later})).starts_with("the time of the"));
+        CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {later})).starts_with("the injection"));
     }
 
     TEST_CASE("slices of one series must agree about uptake, and the middle one has the window") {
