@@ -156,8 +156,10 @@ TEST_SUITE("host/io/dicom_display") {
         set.text(8, 0x201, "SH", "+0100");
         CHECK(volume_of(set.sequence(0x54, 0x16, {given})).suv_per_value ==
               doctest::Approx(expected_suv).epsilon(1e-12));
-        set.text(8, 0x201, "SH", "-0530");
-        CHECK(reason_of(set).empty() == false);  // Then it is after the scan.
+        set.text(8, 0x201, "SH", "-0530");  // 02:30 by the scan's clock.
+        CHECK(volume_of(set).suv_per_value ==
+              doctest::Approx(50'000 / 200e6 * std::exp2(7.5)).epsilon(1e-12));
+        CHECK(reason_of(set.text(8, 0x201, "SH", "+0400")).starts_with("the injection has no"));
         // Without the scan's offset, the clock must be that of 1072, which says 09:00.
         CHECK(reason_of(pet_at(0).sequence(0x54, 0x16, {given})).starts_with("the injection"));
         given.text(0x18, 0x1078, "DT", "20240229090000.5+0000");
