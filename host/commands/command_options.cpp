@@ -104,7 +104,8 @@ void CommandOptions::add_value(const std::string& name, const std::string& value
         return;
     }
     const Command* snapshot = known_command(table_, "snapshot");
-    if (snapshot != nullptr && has_stage(*snapshot) && find_option(*snapshot, name) != nullptr) {
+    const bool draws = std::ranges::find(stages_, RenderStage::output) != stages_.end();
+    if (snapshot != nullptr && draws && find_option(*snapshot, name) != nullptr) {
         commands.push_back({"snapshot", {}, {{name, value}}});  // Its file is that of `render`.
         return;
     }

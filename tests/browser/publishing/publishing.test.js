@@ -6,7 +6,8 @@ import test from 'node:test';
 import { byId, page, server, shots, usePage } from '../harness.js';
 import { rawSocket, say, settled, state, stateWhen } from '../steps.js';
 
-const WIDE = { width: 1900, height: 720 }, USUAL = { width: 1280, height: 720 };
+// From 1680 px on, letters are larger.
+const WIDE = { width: 1660, height: 720 }, USUAL = { width: 1280, height: 720 };
 
 usePage(undefined, async () => {
   await byId('tab-slices').click();
@@ -104,12 +105,12 @@ async function scene() {
 test('a picture of another shape is the one that a page of this shape shows', async () => {
   await settled(page);
   await page.setViewportSize(WIDE);
-  const { size } = await stateWhen(page, now => now.size[0] > 1000);
+  const { size } = await stateWhen(page, now => now.size[0] > 800);
   await settled(page);
   const shown = await saved({ marks: true, legend: true });
   assert.deepEqual(shown.size, size);
   await page.setViewportSize(USUAL);
-  await stateWhen(page, now => now.size[0] < 1000);
+  await stateWhen(page, now => now.size[0] < 800);
   await settled(page);
   const before = await scene();
   const free = await saved({ size: 'free', free: size, marks: true, legend: true });
