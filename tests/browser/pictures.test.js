@@ -107,6 +107,7 @@ test('with marks, it is what a screenshot of the picture shows', async () => {
   assert.ok(plain.different > 2000, 'letters, bar, cube and distance are there');
   // The buttons and messages over the picture are no part of it.
   await setOthers('hidden');
+  await page.mouse.move(1, 1);  // The edges of the sides shine under the pointer.
   const box = await byId('frame').boundingBox();
   const [width, height] = (await state(page)).size;
   const clip = { x: Math.round(box.x), y: Math.round(box.y), width, height };
