@@ -10,8 +10,8 @@ namespace pxpl5::host::serve {
 /// The bytes of an answer to `ask slice`, smaller and without loss. The page takes them apart again
 /// (page/slices/slice_packing.js).
 ///
-/// The first `count` values become differences to the value before, as unsigned numbers, and then
-/// planes: the lowest bytes of all, then the next ones. All of it is compressed by zlib (RFC 1950).
+/// The first `count` values become planes of bytes (ringbus/rules/byte_planes.hpp). All of it is
+/// compressed by zlib (RFC 1950), which browsers can undo.
 ///
 /// bytes        At least count * value_bytes.
 /// value_bytes  1, 2 or 4; little endian.
