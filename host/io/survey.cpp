@@ -41,7 +41,10 @@ void write_line(const Json& line) {
     const std::string text = dump(line) + "\n";
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
         std::fflush(stdout) != 0) {
-        throw ImportError("the answer has more bytes than the host takes");
+        throw ImportError(
+            fmt::format("the host took fewer than the {} bytes of a line of the "
+                        "answer",
+                        text.size()));
     }
 }
 
@@ -56,19 +59,11 @@ std::string person(std::string name) {
     return last == std::string::npos ? "" : name.substr(0, last + 1);
 }
 
-/// The first of several values as a number; nothing if it is none.
-std::optional<double> first_number(const std::string& text) {
-    try {
-        return std::stod(text);
-    } catch (const std::exception&) {
-        return std::nullopt;
-    }
-}
-
-std::optional<std::pair<double, double>> window_of(const DicomAttributes& attributes) {
-    const std::optional<double> center = first_number(attributes.value(0x0028, 0x1050));
-    const std::optional<double> width = first_number(attributes.value(0x0028, 0x1051));
-    return center && width ? std::optional(std::pair(*center, *width)) : std::nullopt;
+/// Center and width of the slice's preferred window; nothing if it has none.
+std::optional<std::pair<double, double>> window_of(const DicomSlice& slice) {
+    return slice.windows.empty()
+               ? std::nullopt
+               : std::optional(std::pair(slice.windows.front().level, slice.windows.front().width));
 }
 
 std::uint64_t bytes_of_files(const Series& series) {
@@ -130,17 +125,18 @@ void write_thumbnails(const std::vector<Surveyed>& all) {
         if (Clock::now() - start > std::chrono::duration<double>(thumbnails_s)) {
             return;
         }
+        Thumbnail picture;
         try {
-            const Thumbnail picture = thumbnail_of(all[i].middle, window_of(all[i].attributes));
-            write_line({{"thumbnail", i},
-                        {"width", picture.width},
-                        {"height", picture.height},
-                        {"pixels", hex_of(picture.pixels)}});
+            picture = thumbnail_of(all[i].middle, window_of(all[i].middle));
         } catch (const ImportError&) {
             continue;  // The row stays without a picture; opening the series gives the reason.
         } catch (const std::bad_alloc&) {
             continue;
         }
+        write_line({{"thumbnail", i},
+                    {"width", picture.width},
+                    {"height", picture.height},
+                    {"pixels", hex_of(picture.pixels)}});
     }
 }
 
@@ -172,7 +168,8 @@ void write_attributes(const SurveyQuestion& question, std::vector<DicomSlice> sl
     };
     const auto found = std::ranges::find_if(all, is_wanted);
     if (found == all.end()) {
-        throw ImportError(question.path + ": holds no DICOM slices of this series");
+        throw ImportError(question.path + ": holds no DICOM slices" +
+                          (question.series.empty() ? "" : " of series " + question.series));
     }
     if (question.series.empty() && std::ranges::count_if(all, is_wanted) > 1) {
         throw ImportError(question.path +

@@ -33,7 +33,7 @@ std::vector<float> values_of(const DicomSlice& slice) {
 /// Values at which gray begins and ends.
 std::pair<double, double> range_of(std::vector<float> values,
                                    std::optional<std::pair<double, double>> window) {
-    if (window && window->second >= 1) {
+    if (window && window->second > 0) {
         const double low = window->first - window->second / 2;
         const double high = window->first + window->second / 2;
         if (std::isfinite(high - low)) {
