@@ -136,17 +136,20 @@ void take_display(const Series& slices, Volume& volume) {
     }
     const DicomUptake& uptake = *middle.uptake;
     volume.unit = uptake.unit;
+    const auto other = std::ranges::find_if(slices, [&](const DicomSlice& slice) {
+        return !slice.uptake || slice.uptake->unit != uptake.unit ||
+               !(std::abs(slice.uptake->suv_per_value - uptake.suv_per_value) <=
+                 tolerance * uptake.suv_per_value);
+    });
     std::string reason = uptake.reason;
-    for (const DicomSlice& slice : slices) {
-        const DicomUptake other = slice.uptake.value_or(DicomUptake{});
-        if (!reason.empty()) {
-            break;
-        }
-        if (other.unit != uptake.unit || !other.reason.empty() ||
-            std::abs(other.suv_per_value - uptake.suv_per_value) >
-                tolerance * uptake.suv_per_value) {
-            reason = "slices differ in weight, dose or times";
-        }
+    if (reason.empty() && other != slices.end()) {
+        const DicomUptake found = other->uptake.value_or(DicomUptake{"", 0, "it is no PET"});
+        reason = fmt::format("slices differ: {}: {}; {}: a value of 1 {} is {:.6g} g/ml",
+                             other->path.filename().string(),
+                             !found.reason.empty() ? found.reason
+                                                   : fmt::format("a value of 1 {} is {:.6g} g/ml",
+                                                                 found.unit, found.suv_per_value),
+                             middle.path.filename().string(), uptake.unit, uptake.suv_per_value);
     }
     if (reason.empty()) {
         volume.suv_per_value = uptake.suv_per_value;

@@ -188,14 +188,18 @@ DicomUptake from_activity(const gdcm::DataSet& data) {
     }
     const auto weight_kg = positive(data, gdcm::Tag(0x0010, 0x1030));
     if (!weight_kg) {
-        return without(unit, "the patient's weight (0010,1030) is not stated");
+        return without(unit, fmt::format("the patient's weight is {}, must be above 0 kg",
+                                         stated(data, gdcm::Tag(0x0010, 0x1030))));
     }
     gdcm::SmartPointer<gdcm::SequenceOfItems> items;
     const gdcm::DataSet* tracer = tracer_of(data, items);
     const auto dose_bq =
         tracer != nullptr ? positive(*tracer, gdcm::Tag(0x0018, 0x1074)) : std::nullopt;
     if (!dose_bq) {
-        return without(unit, "the dose (0018,1074) is not stated");
+        return without(unit, tracer == nullptr
+                                 ? "the dose is not stated: there is no tracer (0054,0016)"
+                                 : fmt::format("the dose is {}, must be above 0 Bq",
+                                               stated(*tracer, gdcm::Tag(0x0018, 0x1074))));
     }
     const std::string decay = text_of(data, gdcm::Tag(0x0054, 0x1102));
     if (decay == "ADMIN") {
@@ -208,7 +212,8 @@ DicomUptake from_activity(const gdcm::DataSet& data) {
     }
     const auto half_life_s = positive(*tracer, gdcm::Tag(0x0018, 0x1075));
     if (!half_life_s) {
-        return without(unit, "the half-life (0018,1075) is not stated");
+        return without(unit, fmt::format("the half-life is {}, must be above 0 s",
+                                         stated(*tracer, gdcm::Tag(0x0018, 0x1075))));
     }
     const gdcm::Tag series_date(0x0008, 0x0021), series_time(0x0008, 0x0031);
     const gdcm::Tag acquired_date(0x0008, 0x0022), acquired_time(0x0008, 0x0032);
@@ -223,16 +228,18 @@ DicomUptake from_activity(const gdcm::DataSet& data) {
                                          stated(data, acquired_date), stated(data, acquired_time)));
     }
     if (*scan_s > *acquired_s) {
-        return without(unit,
-                       "the series is later than its acquisition: it was processed, and "
-                       "does not state to which time its values are corrected");
+        return without(unit, fmt::format("the series {} is later than its acquisition {}: it was "
+                                         "processed, and does not state to which time its values "
+                                         "are corrected",
+                                         stated(data, series_time), stated(data, acquired_time)));
     }
     const gdcm::Tag moment(0x0018, 0x1078), clock(0x0018, 0x1072);
     const auto given_s = injection_s(data, *tracer, *scan_s);
     if (!given_s || *given_s > *scan_s) {
         return without(unit, fmt::format("the injection has no usable time: {} or {}, must be "
-                                         "before the series",
-                                         stated(*tracer, moment), stated(*tracer, clock)));
+                                         "before that of the series, {}",
+                                         stated(*tracer, moment), stated(*tracer, clock),
+                                         stated(data, series_time)));
     }
     return from_dose(unit, *weight_kg, *dose_bq, (*scan_s - *given_s) / *half_life_s);
 }

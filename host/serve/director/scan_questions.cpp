@@ -52,13 +52,16 @@ std::vector<std::string> words_of(const Json& ask, const ScanQuestions::OpenScan
 }
 
 /// Why the process has ended before the end of its answer; empty if it has not.
-std::string reason_of(const ProgramEnd& end) {
+std::string reason_of(const std::string& path, const ProgramEnd& end) {
     if (!end.is_in_time) {
-        return fmt::format("it took longer than {} s", scan_question_ms / 1000);
+        return fmt::format(
+            "{}: to read it took longer than {} s; open a smaller folder, or one of "
+            "its files",
+            path, scan_question_ms / 1000);
     }
     const std::string errors = end.errors.substr(0, end.errors.find('\n'));
     return end.code == 0    ? ""
-           : errors.empty() ? fmt::format("pxpl5-io ended with exit code {}", end.code)
+           : errors.empty() ? fmt::format("{}: pxpl5-io ended with exit code {}", path, end.code)
                             : errors;
 }
 
@@ -100,7 +103,7 @@ void add_thumbnail(const Json& line, Json& rows, std::string& pixels) {
 
 std::string message_of(std::uint32_t id, const std::vector<std::string>& question,
                        const ProgramEnd& end) {
-    const std::string reason = reason_of(end);
+    const std::string reason = reason_of(question[1], end);
     if (question[0] == "--series") {
         const SeriesAnswer series = read_series_lines(end.out, reason);
         Answer answer{series.json, {}};
@@ -111,9 +114,9 @@ std::string message_of(std::uint32_t id, const std::vector<std::string>& questio
     }
     const Json attributes = Json::parse(end.out, nullptr, false);
     if (!attributes.is_object()) {
-        throw RequestError(ExitCode::bad_data,
-                           fmt::format("{}: its attributes cannot be read: {}", question[1],
-                                       reason.empty() ? "no answer" : reason));
+        throw RequestError(
+            ExitCode::bad_data,
+            !reason.empty() ? reason : question[1] + ": pxpl5-io has listed no attributes");
     }
     return answer_message(id, {dump(attributes), {}});
 }

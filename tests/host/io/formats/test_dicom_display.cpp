@@ -185,7 +185,8 @@ TEST_SUITE("host/io/dicom_display") {
 
     TEST_CASE("what is missing for uptake values is named") {
         CHECK(reason_of(pet_at(0).remove(0x10, 0x1030)).starts_with("the patient's weight"));
-        CHECK(reason_of(pet_at(0).text(0x10, 0x1030, "DS", "0")).starts_with("the patient's"));
+        CHECK(reason_of(pet_at(0).text(0x10, 0x1030, "DS", "0")) ==
+              "the patient's weight is '0' (0010,1030), must be above 0 kg");
         CHECK(reason_of(pet_at(0).text(8, 0x32, "TM", "")).starts_with("the acquisition has no"));
         CHECK(reason_of(pet_at(0).remove(0x54, 0x16)).starts_with("the dose"));
         CHECK(reason_of(pet_at(0).text(0x28, 0x51, "CS", "DECY")).find("must have ATTN") !=
@@ -221,7 +222,9 @@ TEST_SUITE("host/io/dicom_display") {
         CHECK(mixed.suv_per_value == 0);
         CHECK(mixed.unit == "Bq/ml");
         CHECK(std::ranges::any_of(mixed.findings, [](const Finding& finding) {
-            return finding.text.ends_with("slices differ in weight, dose or times");
+            return finding.text.ends_with(
+                "slices differ: 3.dcm: a value of 1 Bq/ml is 0.00051 "
+                "g/ml; 2.dcm: a value of 1 Bq/ml is 0.0005 g/ml");
         }));
     }
 }

@@ -71,15 +71,14 @@ TEST_CASE("an answer follows a question, with its id and the viewer's") {
     CHECK(message.find(std::string("\2\1\0\0", 4)) != std::string::npos);
     CHECK(questions.ask(8, 9, R"({"ask":"attributes"})", {"/y", "1.2"}));
     CHECK(sent.next() ==
-          R"(8 {"re":9,"ok":false,"error":"/y: its attributes cannot be read: no answer"})");
+          R"(8 {"re":9,"ok":false,"error":"/y: pxpl5-io has listed no attributes"})");
 }
 
 TEST_CASE("a process that fails or cannot start is an error of its question") {
     Sent sent;
     ScanQuestions fails(answered_by("echo \"$2 $3 is cut\" >&2; exit 65", sent));
     CHECK(fails.ask(7, 3, R"({"ask":"attributes"})", {"/y", "1.2"}));
-    CHECK(sent.next() == R"(7 {"re":3,"ok":false,"error":"/y: its attributes cannot be read: )"
-                         R"(/y series=1.2 is cut"})");
+    CHECK(sent.next() == R"(7 {"re":3,"ok":false,"error":"/y series=1.2 is cut"})");
     ScanQuestions::Parts parts = answered_by("", sent);
     parts.words = {"/nowhere/pxpl5-io"};
     ScanQuestions nowhere(std::move(parts));
