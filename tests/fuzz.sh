@@ -34,37 +34,41 @@ for target in "${targets[@]}"; do
     fi
 done
 
+# GDCM reserves, and clears, what a length asks for; pxpl5-io has a limit of its own.
+limits_of() {
+    local limit_mib=512 limit_s=25
+    [ "$1" != dicom ] || limit_mib=4096 limit_s=100
+    echo "-timeout=$limit_s -rss_limit_mb=$((2 * limit_mib)) -malloc_limit_mb=$limit_mib"
+}
 # One target: new inputs stay in build/dev, for the next run.
 run_target() {
-    local folder=$1 top=$2 seconds=$3 seed=$4 target=$5 options=()
+    local folder=$1 top=$2 seconds=$3 seed=$4 target=$5 options
+    read -ra options <<<"$(limits_of "$target")"
     local found=$folder/found/$target regressions=$top/tests/fuzz/regressions/$target
     local dictionary=$top/tests/fuzz/$target.dict
-    # GDCM reserves, and clears, what a length asks for; pxpl5-io has a limit of its own.
-    local limit_mib=512 limit_s=25
-    [ "$target" != dicom ] || limit_mib=4096 limit_s=100
     mkdir -p "$found" "$regressions"
     [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
     "$folder/fuzz_$target" "$found" "$top/tests/fuzz/corpus/$target" "$regressions" \
-        "-max_total_time=$seconds" "-seed=$seed" "-timeout=$limit_s" \
-        "-rss_limit_mb=$((2 * limit_mib))" "-malloc_limit_mb=$limit_mib" \
+        "-max_total_time=$seconds" "-seed=$seed" \
         -print_final_stats=1 -close_fd_mask=1 "-artifact_prefix=$regressions/" "${options[@]}" \
         >"$folder/$target.log" 2>&1 || touch "$folder/$target.failed"
     rmdir --ignore-fail-on-non-empty "$regressions"
 }
-# What is known must pass, also with --report: the corpus, and all inputs that failed once.
+# The corpus and all inputs that failed once must pass, also with --report.
 replay_target() {
-    local folder=$1 top=$2 target=$3 inputs=() inputs_of
+    local folder=$1 top=$2 target=$3 inputs=() inputs_of limits
+    read -ra limits <<<"$(limits_of "$target")"
     for inputs_of in corpus regressions; do
         inputs_of=$top/tests/fuzz/$inputs_of/$target
         [ ! -d "$inputs_of" ] || inputs+=("$inputs_of")
     done
-    "$folder/fuzz_$target" -runs=0 -timeout=100 -rss_limit_mb=8192 -malloc_limit_mb=4096 \
+    "$folder/fuzz_$target" -runs=0 "${limits[@]}" \
         -close_fd_mask=1 "${inputs[@]}" >"$folder/$target.replay.log" 2>&1 && return
     echo "fuzz: $target fails for an input that is known:"
     tail -n 30 "$folder/$target.replay.log"
     return 1
 }
-export -f run_target replay_target
+export -f limits_of run_target replay_target
 export ASAN_OPTIONS=detect_leaks=1
 rm -f "$folder"/*.failed
 printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} \
