@@ -231,6 +231,7 @@ void finish_slice(Answer& answer, Json& json, Scalar type, bool packed) {
 
 Answer answer_oblique(const Session& session, const Json& ask) {
     const ObliquePlane plane = plane_of(ask);
+    const bool packed = wants_packed(ask);
     const Volume& volume = session.volumes.volume();
     require_all_voxels(volume, "an oblique slice");
     const std::vector<float> values = oblique_values(volume, plane);
@@ -246,7 +247,7 @@ Answer answer_oblique(const Session& session, const Json& ask) {
             contours.add(surface, oblique_contour(plane, values, surface.isovalue));
         }
     }
-    finish_slice(answer, json, Scalar::float32, wants_packed(ask));
+    finish_slice(answer, json, Scalar::float32, packed);
     return answer;
 }
 
@@ -324,21 +325,20 @@ struct Question {
 
 constexpr std::array questions = {Question{"slice", answer_slice}, Question{"scrub", answer_scrub}};
 
+/// Questions of the page; other files answer the last three.
+constexpr const char* all_questions = R"("slice", "scrub", "folder", "series" or "attributes")";
+
 }  // namespace
 
 Answer answer(Session& session, std::string_view message) {
     const Json ask = parse(message);
-    const std::string name =
-        text_of(ask, "ask", "\"slice\", \"scrub\", \"folder\", \"series\" or \"attributes\"");
+    const std::string name = text_of(ask, "ask", all_questions);
     for (const Question& question : questions) {
         if (question.name == name) {
             return question.answer(session, ask);
         }
     }
-    refuse(
-        fmt::format("ask: 'ask' is {}; it must be \"slice\", \"scrub\", \"folder\", \"series\" or "
-                    "\"attributes\"",
-                    shown(name)));
+    refuse(fmt::format("ask: 'ask' is {}; it must be {}", shown(name), all_questions));
 }
 
 std::string answer_message(std::uint32_t id, const Answer& answer) {

@@ -16,9 +16,13 @@ export async function unpacked({json, bytes}) {
   const inflated = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
   const plain = await new Response(inflated).arrayBuffer();
   const count = json.width * json.height, each = ARRAYS[json.type]?.BYTES_PER_ELEMENT ?? 0;
-  if (plain.byteLength !== json.packed.bytes || plain.byteLength < count * each) {
+  if (plain.byteLength !== json.packed.bytes) {
     throw new Error(`slice: ${plain.byteLength} bytes were packed, its description says `
       + `${json.packed.bytes}`);
+  }
+  if (plain.byteLength < count * each) {
+    throw new Error(`slice: ${plain.byteLength} bytes were packed, ${json.width} x `
+      + `${json.height} values of ${json.type} have ${count * each}`);
   }
   const planes = new Uint8Array(plain.slice(0, count * each));
   const values = new Uint8Array(plain, 0, count * each);

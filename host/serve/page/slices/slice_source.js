@@ -15,7 +15,7 @@ import {sliceOf} from './slice_pixels.js';
  */
 
 const KEPT_BYTES = 24 * 2 ** 20;  // Values of the slices that a view keeps.
-const MOST_LONGER = 4;
+const MOST_LONGER = 4;            // Times that a plain slice may take of a packed one.
 const SLOW_MS = 40;               // A link that takes longer for a slice is slow.
 
 export class SliceSource {
@@ -137,7 +137,9 @@ export class SliceSource {
     const took = performance.now() - begin - (answer.json.packed?.ms ?? 0);
     // Without packing. A few bytes take about as long as none.
     const longer = (answer.json.packed?.bytes ?? 0) / Math.max(answer.bytes.byteLength, 1);
-    this.isSlow_ = CAN_UNPACK && took * Math.min(Math.max(longer, 1), MOST_LONGER) > SLOW_MS;
+    if (isPlain(question)) {  // Slabs and oblique slices take the server's time, too.
+      this.isSlow_ = CAN_UNPACK && took * Math.min(Math.max(longer, 1), MOST_LONGER) > SLOW_MS;
+    }
     return sliceOf(question, await unpacked(answer));
   }
 
