@@ -150,7 +150,7 @@ class Attributes {
 
   private:
     void add(const gdcm::DataSet& data, const gdcm::DataElement& element, int depth) {
-        const gdcm::Tag tag = element.GetTag();
+        const gdcm::Tag& tag = element.GetTag();
         DicomAttribute attribute;
         attribute.group = tag.GetGroup();
         attribute.element = tag.GetElement();
