@@ -44,6 +44,8 @@ const SHEET = [
   ]],
   ['Surfaces', [
     ['Drag a handle of the histogram', 'change the isovalue; slower with Shift'],
+    ['+ − at the histogram, the wheel with Ctrl', 'show fewer or more values; drag an empty place '
+      + 'to others'],
     ['Pick tissue', 'take the value from the picture or a slice'],
     ['Parts', 'draw only the largest part, or the part that you click'],
     ['Clip planes', 'remove one side of a plane to see inside'],

@@ -4,6 +4,8 @@ import {h, s, setText, update} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 import {isoCommand, roundIso} from '../link/lines.js';
 import {drawAxis, outline, Scale} from './axis.js';
+import {drawBands, mayBeHounsfield} from './bands.js';
+import {Zoom} from './zoom.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
@@ -16,6 +18,7 @@ const TOP = 2.6;           // Room for the handles' grips, in two rows.
 const BOTTOM = 1.6;        // Room for the axis.
 const SIDE = 1.4;           // Room for half a number of the axis.
 const GRIP = 0.85;
+const LETTER = 0.55;        // Width of a letter of a band's name.
 // Distance from a handle's line at which a mouse or a finger grabs the handle; CSS pixels.
 const MOUSE_REACH = 12, FINGER_REACH = 22;
 const FINE = 0.1;          // Fraction of the pointer's motion, with Shift.
@@ -57,8 +60,12 @@ export class Histogram {
     this.width_ = 0;
     /** @private @type {Map<string, SVGGElement>} */
     this.handles_ = new Map();
+    /** @private Clips the outline to the shown values. */
+    this.plot_ = s('rect', {y: 0});
     /** @private */
-    this.area_ = s('path', {class: 'area'});
+    this.area_ = s('path', {class: 'area', 'clip-path': 'url(#histogram-plot)'});
+    /** @private */
+    this.bands_ = s('g', {class: 'bands'});
     /** @private */
     this.axis_ = s('g', {class: 'axis'});
     /** @private */
@@ -66,10 +73,19 @@ export class Histogram {
     /** @private */
     this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
       role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
-      this.area_, this.axis_, this.handleGroup_);
+      s('clipPath', {id: 'histogram-plot'}, this.plot_), this.area_, this.bands_, this.axis_,
+      this.handleGroup_);
+    /** @private */
+    this.zoom_ = new Zoom(this.svg_, {
+      valueAt: x => this.scale_.valueAt(x),
+      chosen: () => selection.name === '' ? null : this.valueOf_(selection.name),
+      draw: () => this.draw_(),
+    });
     /** @private */
     this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its histogram.');
-    root.append(this.svg_, this.message_);
+    root.append(h('h2', {class: 'spread'}, h('span', {title:
+      'Number of voxels per value, on a logarithmic scale'}, 'Histogram'), this.zoom_.buttons),
+      this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
     app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
     app.store.subscribe(['surfaces', 'volume'], () => this.follow_());
@@ -117,8 +133,11 @@ export class Histogram {
       document.dispatchEvent(new CustomEvent('counts',
         {detail: {identity: volume.identity, counts: reply.result}}));
     }
-    this.counts_ = hasCounts ? reply.result
+    /** @type {Counts} */
+    const known = hasCounts ? reply.result
       : {first: volume.minimum, width: volume.maximum - volume.minimum || 1, counts: [0]};
+    const {first, width, counts} = this.counts_ = known;
+    this.zoom_.setAll({low: first, high: first + width * counts.length}, width);
     this.draw_();
   }
 
@@ -131,16 +150,22 @@ export class Histogram {
       return;
     }
     this.width_ = width;
-    const last = counts.first + counts.width * counts.counts.length;
     this.rem_ = remPx();
     const [side, top, base] = [SIDE, TOP, HEIGHT - BOTTOM].map(each => each * this.rem_);
     update(this.svg_, {height: HEIGHT * this.rem_});
     update(this.axis_, {transform: `translate(0 ${base})`});
-    const scale = this.scale_ = new Scale(counts.first, last, side, width - side);
-    const most = Math.log1p(Math.max(...counts.counts, 1));
+    update(this.plot_, {x: side, width: Math.max(0, width - 2 * side), height: base});
+    const {low, high} = this.zoom_.shown;
+    const scale = this.scale_ = new Scale(low, high, side, width - side);
+    const left = (/** @type {number} */ k) => counts.first + k * counts.width;
+    const shown = counts.counts.filter((_, k) => left(k + 1) > low && left(k) < high);
+    const most = Math.log1p(Math.max(...shown, 1));
+    // Bins beside the shown ones may be higher. They are clipped.
     const tops = counts.counts.map(n => base - Math.log1p(n) / most * (base - top));
-    update(this.area_, {
-      d: outline(tops, base, k => scale.at(counts.first + k * counts.width))});
+    update(this.area_, {d: outline(tops, base, k => scale.at(left(k)))});
+    const volume = this.app_.store.state?.volume;
+    this.bands_.style.display = volume && mayBeHounsfield(volume) ? '' : 'none';
+    drawBands(this.bands_, scale, top, base, this.rem_ * LETTER);
     drawAxis(this.axis_, scale, Math.max(3, Math.round(width / (5 * this.rem_))));
     this.drawHandles_();
   }
@@ -174,8 +199,9 @@ export class Histogram {
     const unit = this.app_.store.state?.volume?.unit ?? '';
     const isChosen = surface.name === this.selection_.name;
     update(handle, {
-      transform: `translate(${x.toFixed(1)} 0)`, 'aria-valuemin': low, 'aria-valuemax': high,
-      'aria-valuenow': value, 'aria-valuetext': `${short(value, 4)} ${unit}`,
+      transform: `translate(${x.toFixed(1)} 0)`, 'aria-valuemin': this.zoom_.all.low,
+      'aria-valuemax': this.zoom_.all.high, 'aria-valuenow': value,
+      'aria-valuetext': `${short(value, 4)} ${unit}`,
       class: `handle${isChosen ? ' chosen' : ''}${surface.visible ? '' : ' hid'}`,
     });
     const [line, grip, label, reach, , beyond] = handle.children;
@@ -238,7 +264,8 @@ export class Histogram {
     const move = (/** @type {PointerEvent} */ moved) => {
       x = moved.shiftKey ? x + (moved.clientX - before) * FINE : moved.clientX - left;
       before = moved.clientX;
-      this.setTo(name, this.scale_.valueAt(x));
+      const {low, high} = this.zoom_.shown;
+      this.setTo(name, Math.max(low, Math.min(high, this.scale_.valueAt(x))));
     };
     const end = () => {
       this.svg_.removeEventListener('pointermove', move);
@@ -271,7 +298,7 @@ export class Histogram {
     if (!volume) {
       return;
     }
-    const {low, high} = this.scale_;
+    const {low, high} = this.zoom_.all;
     const value = roundIso(Math.max(low, Math.min(high, wished)), volume);
     const ahead = this.ahead_.get(name) ?? {value: NaN, underWay: 0, revision: 0};
     if (value === ahead.value) {
@@ -312,7 +339,7 @@ export class Histogram {
     if (this.app_.connection.watches || event.ctrlKey || event.metaKey) {
       return;
     }
-    const {low, high} = this.scale_;
+    const {low, high} = this.zoom_.all;
     const step = (high - low >= KEY_STEPS ? 1 : (high - low) / KEY_STEPS)
       * (event.shiftKey ? COARSE : 1);
     const now = this.valueOf_(name);
@@ -324,6 +351,7 @@ export class Histogram {
       event.preventDefault();
       event.stopPropagation();
       this.setTo(name, value);
+      this.zoom_.follow(this.valueOf_(name));
     }
   }
 }

@@ -24,9 +24,7 @@ export function createLeft(app) {
     all.append(details);
     return details;
   };
-  const values = h('section', {class: 'block'}, h('h2', {class: 'spread'},
-    h('span', {}, 'Histogram'), h('span', {class: 'muted small',
-      title: 'Number of voxels per value, on a logarithmic scale'}, 'log scale')));
+  const values = h('section', {class: 'block'});
   const surfaces = h('section', {class: 'block'});
   all.append(values, surfaces);
   new Histogram(values, app, selection);

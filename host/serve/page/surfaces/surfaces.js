@@ -2,6 +2,7 @@
 import {byId, h} from '../elements/dom.js';
 import {counted, short} from '../elements/numbers.js';
 import {isoCommand, roundIso, toLine, word} from '../link/lines.js';
+import {mayBeHounsfield} from './bands.js';
 import {SurfaceCard} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
 
@@ -132,15 +133,6 @@ export function createTissues(root, app, selection) {
       draw(app.store.state ?? state);
     }
   });
-}
-
-/**
- * Whether the values are or may be Hounsfield units: CT, or a file without a modality and with
- * values from well below water to well above.
- * @param {import('../link/vocabulary.js').VolumeState} volume
- */
-function mayBeHounsfield({modality, minimum, maximum}) {
-  return modality === 'CT' || modality === '' && minimum <= -200 && maximum >= 200;
 }
 
 /**

@@ -1,0 +1,192 @@
+// The part of the values that the histogram shows.
+import {h} from '../elements/dom.js';
+
+/** @typedef {{low: number, high: number}} Range  Values; low is less than high. */
+
+const STEP = 2;             // A button shows half or twice as many values.
+const WHEEL_STEP = 1.25;
+const FEWEST_BINS = 8;      // Of the histogram, side by side.
+
+/**
+ * Shows `times` as many details. `value` keeps its place, as far as the ends allow.
+ * @param {Range} shown
+ * @param {Range} all
+ * @param {number} times      Less than 1 shows more values.
+ * @param {number} value
+ * @param {number} narrowest  Least difference of the ends.
+ * @returns {Range}
+ */
+export function zoomedAt(shown, all, times, value, narrowest) {
+  const wished = (shown.high - shown.low) / times;
+  const width = Math.min(Math.max(wished, narrowest), all.high - all.low);
+  const share = (value - shown.low) / (shown.high - shown.low);
+  return within(value - share * width, width, all);
+}
+
+/**
+ * The same width, `by` further up.
+ * @param {Range} shown
+ * @param {Range} all
+ * @param {number} by
+ */
+export function movedBy(shown, all, by) {
+  return within(shown.low + by, shown.high - shown.low, all);
+}
+
+/**
+ * @param {number} low
+ * @param {number} width
+ * @param {Range} all
+ * @returns {Range}
+ */
+function within(low, width, all) {
+  if (width >= all.high - all.low) {
+    return {...all};
+  }
+  const first = Math.min(Math.max(low, all.low), all.high - width);
+  return {low: first, high: first + width};
+}
+
+/**
+ * @typedef {object} Shows
+ * @property {(x: number) => number} valueAt  The value at a place, CSS pixels from the left.
+ * @property {() => number | null} chosen     The isovalue of the chosen surface.
+ * @property {() => void} draw                The shown values are others.
+ */
+
+export class Zoom {
+  /**
+   * @param {SVGSVGElement} svg  Its empty places can be dragged, and it takes Ctrl and the wheel.
+   * @param {Shows} shows
+   */
+  constructor(svg, shows) {
+    /** @private */
+    this.svg_ = svg;
+    /** @private */
+    this.shows_ = shows;
+    /** @private @type {Range} */
+    this.all_ = {low: 0, high: 1};
+    /** @private @type {Range} */
+    this.shown_ = this.all_;
+    /** @private */
+    this.narrowest_ = 1;
+    const button = (/** @type {string} */ id, /** @type {string} */ text,
+                    /** @type {string} */ label, /** @type {() => void} */ onclick) =>
+      h('button', {class: 'quiet icon', 'data-testid': id, 'aria-label': label, title: label,
+        onclick}, text);
+    /** @private */
+    this.less_ = button('values-more', '−', 'Show more values',
+      () => this.step_(1 / STEP));
+    /** @private */
+    this.more_ = button('values-fewer', '+',
+      'Show fewer values, around the isovalue of the chosen surface', () => this.step_(STEP));
+    /** @private */
+    this.whole_ = button('values-all', 'All', 'Show all values', () => this.show_(this.all_));
+    this.buttons = h('span', {class: 'row', role: 'group', 'aria-label': 'Values shown'},
+      this.less_, this.more_, this.whole_);
+    svg.addEventListener('wheel', event => this.wheel_(event), {passive: false});
+    svg.addEventListener('pointerdown', event => this.grab_(event));
+    this.setAll({low: 0, high: 1}, 1);
+  }
+
+  /** @returns {Range} */
+  get all() {
+    return this.all_;
+  }
+
+  /** @returns {Range} */
+  get shown() {
+    return this.shown_;
+  }
+
+  /**
+   * Other values, for example of another volume: all of them are shown.
+   * @param {Range} all
+   * @param {number} bin   Width of a bin.
+   */
+  setAll(all, bin) {
+    this.all_ = this.shown_ = {...all};
+    this.narrowest_ = Math.min(FEWEST_BINS * bin, all.high - all.low);
+    this.tell_();
+  }
+
+  /**
+   * Shows a value that is beyond the ends in the middle.
+   * @param {number} value
+   */
+  follow(value) {
+    const {low, high} = this.shown_;
+    if (value < low || value > high) {
+      this.show_(movedBy(this.shown_, this.all_, value - (low + high) / 2));
+    }
+  }
+
+  /**
+   * @private
+   * @param {number} times
+   */
+  step_(times) {
+    const {low, high} = this.shown_, value = this.shows_.chosen() ?? (low + high) / 2;
+    const middle = movedBy(this.shown_, this.all_, value - (low + high) / 2);
+    this.show_(zoomedAt(times > 1 ? middle : this.shown_, this.all_, times,
+                        Math.min(Math.max(value, this.all_.low), this.all_.high),
+                        this.narrowest_));
+  }
+
+  /**
+   * @private
+   * @param {Range} shown
+   */
+  show_(shown) {
+    this.shown_ = {...shown};
+    this.tell_();
+    this.shows_.draw();
+  }
+
+  /** @private */
+  tell_() {
+    const {low, high} = this.shown_, isWhole = high - low >= this.all_.high - this.all_.low;
+    this.less_.disabled = this.whole_.disabled = isWhole;
+    this.more_.disabled = high - low <= this.narrowest_ * 1.001;
+    this.svg_.classList.toggle('part', !isWhole);
+  }
+
+  /**
+   * @private
+   * @param {WheelEvent} event
+   */
+  wheel_(event) {
+    if (!event.ctrlKey) {
+      return;  // Scrolls the side.
+    }
+    event.preventDefault();
+    const x = event.clientX - this.svg_.getBoundingClientRect().left;
+    this.show_(zoomedAt(this.shown_, this.all_, event.deltaY < 0 ? WHEEL_STEP : 1 / WHEEL_STEP,
+                        this.shows_.valueAt(x), this.narrowest_));
+  }
+
+  /**
+   * @private
+   * @param {PointerEvent} event
+   */
+  grab_(event) {
+    if (event.button !== 0 || this.whole_.disabled ||
+        /** @type {Element} */ (event.target).closest('.handle')) {
+      return;
+    }
+    const from = this.shown_;
+    const left = this.svg_.getBoundingClientRect().left, value = this.shows_.valueAt;
+    const perPixel = value(1) - value(0), start = event.clientX - left;
+    const move = (/** @type {PointerEvent} */ moved) =>
+      this.show_(movedBy(from, this.all_, (start - (moved.clientX - left)) * perPixel));
+    const end = () => {
+      this.svg_.removeEventListener('pointermove', move);
+      this.svg_.removeEventListener('pointerup', end);
+      this.svg_.removeEventListener('pointercancel', end);
+    };
+    this.svg_.setPointerCapture(event.pointerId);
+    this.svg_.addEventListener('pointermove', move);
+    this.svg_.addEventListener('pointerup', end);
+    this.svg_.addEventListener('pointercancel', end);
+  }
+}
