@@ -39,6 +39,8 @@ Reply run_measure(Session& session, const Arguments& arguments);
 Reply run_why(Session& session, const Arguments& arguments);
 Reply run_atlas(Session& session, const Arguments& arguments);
 Reply run_components(Session& session, const Arguments& arguments);
+/// Adds the component of `surface` at a point, patient (LPS), to the reply of `pick`.
+void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Reply& reply);
 Reply run_certificate(Session& session, const Arguments& arguments);
 Reply run_compare(Session& session, const Arguments& arguments);
 /// The certificate of a surface in a file.

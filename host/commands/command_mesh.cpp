@@ -135,6 +135,10 @@ DrawnCounts counts_of(const DrawnComponents& components) {
     return counts;
 }
 
+std::string counted_cavities(std::int64_t cavities) {
+    return cavities == 1 ? "1 cavity" : fmt::format("{} cavities", cavities);
+}
+
 std::string cavities_text(std::int64_t cavities) {
     return cavities == 0
                ? ""
@@ -164,10 +168,8 @@ std::string drawn_text(const DrawnCounts& counts) {
         text += fmt::format("; {:.3f} ml", *counts.drawn_ml);
     }
     if (counts.filled > 0) {
-        text +=
-            fmt::format("; {} of {:.3f} ml {} filled",
-                        counts.filled == 1 ? "1 cavity" : fmt::format("{} cavities", counts.filled),
-                        counts.filled_ml, counts.filled == 1 ? "is" : "are");
+        text += fmt::format("; {} of {:.3f} ml {} filled", counted_cavities(counts.filled),
+                            counts.filled_ml, counts.filled == 1 ? "is" : "are");
     }
     return text;
 }
@@ -225,6 +227,36 @@ Reply run_components(Session& session, const Arguments& arguments) {
     }
     const DrawnCounts counts = counts_of(session.surfaces.set_components(name, *filter));
     return {name + ": " + drawn_text(counts), count_fields(counts, *filter)};
+}
+
+void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Reply& reply) {
+    const ChosenComponent chosen =
+        session.meshes.component_at(session.meshes.surface(surface), p_mm);
+    const std::vector<MeshComponent>& all = chosen.parts.components;
+    const MeshComponent& part = all[chosen.number];
+    const std::optional<double> volume_mm3 = own_volume_mm3(chosen.parts, chosen.number);
+    const auto cavities = std::ranges::count_if(
+        all, [&](const MeshComponent& other) { return other.cavity_of == chosen.number; });
+    Fields fields = {{"number", static_cast<std::int64_t>(chosen.number) + 1},
+                     {"of", static_cast<std::int64_t>(all.size())},
+                     {"cavity", part.cavity},
+                     {"cavities", static_cast<std::int64_t>(cavities)},
+                     {"closed", part.closed},
+                     {"area_mm2", part.area_mm2}};
+    if (volume_mm3) {
+        fields.push_back({"volume_ml", *volume_mm3 / 1000});
+    }
+    const std::string_view why_not =
+        part.volume_mm3 ? "most of the scan lies inside it" : "it has holes";
+    reply.text += fmt::format(
+        "\n{} {} of {}: {}{}{}, {:.2f} cm2", part.cavity ? "cavity, component" : "component",
+        chosen.number + 1, all.size(),
+        volume_mm3 ? fmt::format("{:.3f} ml", *volume_mm3 / 1000)
+                   : fmt::format("no volume ({})", why_not),
+        volume_mm3 && cavities > 0 ? fmt::format(" without {}", counted_cavities(cavities)) : "",
+        volume_mm3 && !part.closed ? " (closed by the faces of the scan)" : "",
+        part.area_mm2 / 100);
+    reply.fields.push_back({"part", fields});
 }
 
 namespace {

@@ -155,10 +155,13 @@ std::vector<Command> pixel_commands() {
         {{.name = "pick",
           .help = "Prints the surface points at a pixel. Chooses the nearest point of an opaque "
                   "surface, else the nearest point, and prints its voxel. set= makes the value "
-                  "there the isovalue of a surface.",
+                  "there the isovalue of a surface. part=yes adds the component with its volume.",
           .words = {x_word, y_word},
           .required = 2,
-          .options = {{"surface", "NAME", "surface to choose"}, {"set", "NAME", "surface to set"}}},
+          .options = {{"surface", "NAME", "surface to choose"},
+                      {"set", "NAME", "surface to set"},
+                      choice_value("part", yes_no, "whether to measure the component there",
+                                   "no")}},
          run_pick},
         {{.name = "measure",
           .help = "Prints the straight-line distance between two ends. An end is the surface point "

@@ -361,6 +361,9 @@ Reply run_pick(Session& session, const Arguments& arguments) {
         reply.fields.push_back(std::move(field));
     }
     reply.fields.push_back({"hits", fields_of(session, hits)});
+    if (arguments.text("part", "no") == "yes") {
+        add_part(session, picked->surface, pick.p_mm, reply);
+    }
     // The nearest voxel's value would give a surface that does not pass through the point.
     if (arguments.has("set") && pick.value_between) {
         Arguments surface;

@@ -30,11 +30,15 @@ std::uint64_t digest_of(const schema::SlabMesh& mesh) {
     return digest.value();
 }
 
+std::uint32_t nearest_component(glm::dvec3 p_mm, const WeldedMesh& mesh,
+                                const MeshComponents& parts, const VolumeGrid& grid) {
+    return parts.of_triangle[nearest_point(mesh, grid, p_mm).value().triangle];
+}
+
 /// Returns the component nearest to the point; for a cavity, the component around the cavity.
-std::size_t component_at(glm::dvec3 p_mm, const WeldedMesh& mesh, const MeshComponents& parts,
-                         const VolumeGrid& grid) {
-    const std::optional<SurfacePoint> nearest = nearest_point(mesh, grid, p_mm);
-    const std::uint32_t found = parts.of_triangle[nearest.value().triangle];
+std::size_t solid_at(glm::dvec3 p_mm, const WeldedMesh& mesh, const MeshComponents& parts,
+                     const VolumeGrid& grid) {
+    const std::uint32_t found = nearest_component(p_mm, mesh, parts, grid);
     return parts.components[found].cavity_of.value_or(found);
 }
 
@@ -49,7 +53,7 @@ Shown shown_by(const ComponentFilter& filter, const WeldedMesh& mesh, const Mesh
         case ComponentFilter::Kind::at_least_ml:
             return show_at_least(parts, ComponentMeasure::volume_ml, filter.least, cavities);
         case ComponentFilter::Kind::at_point:
-            return show_component(parts, component_at(filter.p_mm, mesh, parts, grid), cavities);
+            return show_component(parts, solid_at(filter.p_mm, mesh, parts, grid), cavities);
         case ComponentFilter::Kind::all:
             break;
     }
@@ -142,6 +146,13 @@ void Meshes::show(const std::string& name, const WeldedMesh& mesh, const Shown& 
 
 DrawnComponents Meshes::components(const Surface& surface) {
     return drawn_by(surface.components, fetch(surface.name), grid());
+}
+
+ChosenComponent Meshes::component_at(const Surface& surface, glm::dvec3 p_mm) {
+    const WeldedMesh mesh = fetch(surface.name);
+    ChosenComponent chosen{find_components(mesh, grid()), 0};
+    chosen.number = nearest_component(p_mm, mesh, chosen.parts, grid());
+    return chosen;
 }
 
 DrawnComponents Meshes::apply_filter(const Surface& surface) {

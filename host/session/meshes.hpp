@@ -17,6 +17,12 @@
 
 namespace pxpl5::host {
 
+/// The components of a surface, and one of them.
+struct ChosenComponent {
+    MeshComponents parts;
+    std::size_t number = 0;  ///< From 0, the largest.
+};
+
 /// The components of a surface, and which of its triangles are drawn.
 struct DrawnComponents {
     MeshComponents parts;
@@ -51,6 +57,8 @@ class Meshes {
     void show(const std::string& name, const WeldedMesh& mesh, const Shown& shown);
     /// The surface's components; its filter selects those that are drawn.
     DrawnComponents components(const Surface& surface);
+    /// The component nearest to a point, patient (LPS). The surface has triangles.
+    ChosenComponent component_at(const Surface& surface, glm::dvec3 p_mm);
     /// Draws only the components that the surface's filter selects.
     DrawnComponents apply_filter(const Surface& surface);
     /// The measures of the surface at each isovalue (ascending), without components.

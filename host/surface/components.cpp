@@ -316,6 +316,24 @@ Shown show_component(const MeshComponents& parts, std::size_t component, Cavitie
     });
 }
 
+std::optional<double> own_volume_mm3(const MeshComponents& parts, std::size_t component) {
+    const MeshComponent& own = parts.components[component];
+    if (!own.volume_mm3) {
+        return std::nullopt;
+    }
+    if (own.cavity) {
+        return -*own.volume_mm3;
+    }
+    double sum_mm3 = *own.volume_mm3;
+    for (const MeshComponent& other : parts.components) {
+        if (other.cavity_of == component && !other.volume_mm3) {
+            return std::nullopt;
+        }
+        sum_mm3 += other.cavity_of == component ? *other.volume_mm3 : 0;
+    }
+    return sum_mm3 < 0 ? std::nullopt : std::optional(sum_mm3);
+}
+
 std::size_t largest_component(const MeshComponents& parts) {
     const auto found = std::find_if(parts.components.begin(), parts.components.end(),
                                     [](const MeshComponent& c) { return !c.cavity_of; });

@@ -54,6 +54,11 @@ Shown show_component(const MeshComponents& parts, std::size_t component,
 /// components (asserted).
 std::size_t largest_component(const MeshComponents& parts);
 
+/// The volume of a component in mm3: of a cavity what its wall encloses, of another one what it
+/// encloses without its cavities. None if one of these has holes, or if most of the box of the
+/// scan lies inside an open component.
+std::optional<double> own_volume_mm3(const MeshComponents& parts, std::size_t component);
+
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
 /// The components of at least `least` with their cavities. Volumes count without their sign, and
 /// components with holes have none. A cavity of a component is never chosen for itself.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numbers>
 #include <vector>
 
 #include "tests/host/surface/surface_support.hpp"
@@ -12,6 +13,7 @@ using namespace pxpl5;
 using namespace pxpl5::test;
 using host::ComponentMeasure;
 using host::MeshComponent;
+using host::MeshComponents;
 using host::Shown;
 
 namespace {
@@ -98,6 +100,29 @@ TEST_SUITE("host/surface/cavities") {
             host::certify(shown_part(p.mesh, show_component(p.parts, 0)), p.grid);
         CHECK(certificate.volume_mm3 ==
               doctest::Approx(c[0].volume_mm3.value() + c[1].volume_mm3.value()));
+        CHECK(own_volume_mm3(p.parts, 0).value() == doctest::Approx(certificate.volume_mm3));
+        CHECK(own_volume_mm3(p.parts, 1) == -c[1].volume_mm3.value());
+        CHECK(own_volume_mm3(p.parts, 4) == c[4].volume_mm3.value());
+        // Shells and balls of these radii; the mesh cuts their curves.
+        const auto ball_mm3 = [](double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; };
+        CHECK(own_volume_mm3(p.parts, 0).value() ==
+              doctest::Approx(ball_mm3(12) - ball_mm3(9.5)).epsilon(0.03));
+        CHECK(own_volume_mm3(p.parts, 3).value() == doctest::Approx(ball_mm3(4)).epsilon(0.05));
+    }
+
+    TEST_CASE("a component with holes, or around most of the scan, has no volume of its own") {
+        MeshComponents parts;
+        parts.components.resize(3);
+        parts.components[0].volume_mm3 = 5;
+        parts.components[1].cavity = true;
+        parts.components[1].cavity_of = 0;
+        parts.components[2].volume_mm3 = -7;  // Closed by the faces of the scan.
+        CHECK_FALSE(own_volume_mm3(parts, 0).has_value());
+        CHECK_FALSE(own_volume_mm3(parts, 1).has_value());
+        CHECK_FALSE(own_volume_mm3(parts, 2).has_value());
+        parts.components[1].volume_mm3 = -2;
+        CHECK(own_volume_mm3(parts, 0) == 3.0);
+        CHECK(own_volume_mm3(parts, 1) == 2.0);
     }
 
     TEST_CASE("the component around a cavity bounds the same solid voxels") {

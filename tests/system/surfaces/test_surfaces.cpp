@@ -1,6 +1,7 @@
 // Surfaces that are masked, transparent, cut or hidden, on a simulated machine: whatever its size
 // and the order of arrival, and whatever came before.
 #include <doctest/doctest.h>
+#include <fmt/core.h>
 
 #include <algorithm>
 #include <optional>
@@ -178,6 +179,28 @@ TEST_CASE("pick lists all surfaces under the pixel, and measure and components c
     for (int x = 60; x < 64; ++x) {
         CHECK_NOTHROW(bone.run("components skin at=" + std::to_string(x) + ",85"));
     }
+    const Reply picked = bone.run("pick " + at + " surface=bone part=yes");
+    const auto part = std::ranges::find(picked.fields, "part", &Field::name);
+    REQUIRE(part != picked.fields.end());
+    const Fields& fields = std::get<Fields>(part->value);
+    const auto volume_ml = std::ranges::find(fields, "volume_ml", &Field::name);
+    REQUIRE(volume_ml != fields.end());
+    // All components without their cavities have the volume of the surface.
+    const auto picked_place = bone.session.frames.pick(std::stoi(at), 85, "bone");
+    const ChosenComponent chosen = bone.session.meshes.component_at(
+        bone.session.meshes.surface("bone"), picked_place.value().pick.p_mm);
+    double sum_mm3 = 0;
+    for (std::size_t i = 0; i < chosen.parts.components.size(); ++i) {
+        if (!chosen.parts.components[i].cavity) {
+            sum_mm3 += own_volume_mm3(chosen.parts, i).value();
+        }
+    }
+    CHECK(sum_mm3 == doctest::Approx(bone.session.surfaces.report_of("bone").volume_mm3));
+    CHECK(std::get<double>(volume_ml->value) * 1000 ==
+          doctest::Approx(own_volume_mm3(chosen.parts, chosen.number).value()));
+    CHECK(picked.text.find(fmt::format("\ncomponent {} of {}: ", chosen.number + 1,
+                                       chosen.parts.components.size())) != std::string::npos);
+    CHECK(bone.run("pick " + at).text.find("component") == std::string::npos);
     CHECK_THROWS_WITH_AS(bone.run("pick 10 10 surface=skim"), doctest::Contains("mean 'skin'"),
                          RequestError);
     bone.run("surface skin visible=no");
