@@ -1,5 +1,6 @@
 // Actions of tests on a page. No function waits for a time. All wait for the page's own figures in
 // window.pxpl5 (host/serve/page/picture/metrics.js).
+import { readFile } from 'node:fs/promises';
 
 /** The state that the page was told last. */
 export function state(page) {
@@ -107,6 +108,12 @@ export async function middleOf(locator) {
 export function errorsShown(page) {
   return page.locator('[data-testid=toast-error] p, [data-testid=open-error]:not([hidden])')
     .allTextContents();
+}
+
+/** Does something, and returns the file that the page saves. */
+export async function saved(page, act) {
+  const [download] = await Promise.all([page.waitForEvent('download'), act()]);
+  return readFile(await download.path());
 }
 
 /**

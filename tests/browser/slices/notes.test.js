@@ -1,10 +1,10 @@
 // Notes: written in place and in the list, kept by files, sessions and saved pictures.
 import assert from 'node:assert/strict';
-import { readFile, writeFile } from 'node:fs/promises';
+import { writeFile } from 'node:fs/promises';
 import path from 'node:path';
 import test from 'node:test';
 import { byId, page, server, shoot, usePage } from '../harness.js';
-import { middleOf, settled, state, stateWhen } from '../steps.js';
+import { middleOf, saved, settled, state, stateWhen } from '../steps.js';
 
 usePage(undefined, async () => {
   await settled(page);
@@ -15,13 +15,7 @@ const listed = () => byId('measure-list').locator('b').allTextContents();
 const count = number => page.waitForFunction(number => document.querySelectorAll(
   '[data-testid=measure-list] > li').length === number, number);
 
-/** Does something, and returns the file that the page saves. */
-async function saved(act) {
-  const [download] = await Promise.all([page.waitForEvent('download'), act()]);
-  return readFile(await download.path());
-}
-
-const measurements = async () => JSON.parse(await saved(() =>
+const measurements = async () => JSON.parse(await saved(page, () =>
   byId('measure-json').evaluate(button => button.click()))).measurements;
 
 test('a note in a slice is written in place, and again by a click on its text', async () => {
@@ -68,18 +62,18 @@ test('a note in the picture is in files, sessions and saved pictures', async () 
   await page.keyboard.press('Escape');
   const note = (await measurements())[1];
   assert.deepEqual([note.kind, note.text], ['note', 'promontory, where the pelvis begins']);
-  const csv = String(await saved(() => byId('measure-csv').click()));
-  assert.match(csv, /,note,.*"promontory, where the pelvis begins"\r\n$/);
+  const csv = String(await saved(page, () => byId('measure-csv').click()));
+  assert.match(csv, /,note,.*"promontory, where the pelvis begins",,,,,\r\n$/);
   assert.deepEqual((await byId('measure-lines').locator('text').allTextContents()).slice(1),
                    ['promontory, where the', 'pelvis begins']);
   await shoot(page, 'note_picture');
-  const picture = async () => saved(async () => {
+  const picture = async () => saved(page, async () => {
     await byId('save-menu').click();
     await byId('snapshot').click();
   });
   const withNote = await picture();
   await byId('save-menu').click();
-  const session = await saved(() => byId('session-save').click());
+  const session = await saved(page, () => byId('session-save').click());
   await byId('measure-choose-2').click();
   await byId('measure-text').fill('L5');
   await byId('measure-text').press('Enter');
@@ -114,7 +108,7 @@ test('the arrow of a note can be dragged to another place', async () => {
 test('a session with a wrong measurement opens without it, and says which', async () => {
   await page.keyboard.press('Escape');
   await byId('save-menu').click();
-  const session = String(await saved(() => byId('session-save').click()));
+  const session = String(await saved(page, () => byId('session-save').click()));
   const line = session.split('\n').find(each => each.startsWith('# page '));
   const own = JSON.parse(line.slice('# page '.length));
   own.measurements[0].points_mm = [[1, 2]];

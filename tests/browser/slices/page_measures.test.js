@@ -5,7 +5,7 @@ import test from 'node:test';
 import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js';
 import {checked} from '../../../host/serve/page/panel/measure_check.js';
 import {csvOf, jsonOf} from '../../../host/serve/page/panel/measure_files.js';
-import {valuesText} from '../../../host/serve/page/panel/measure_words.js';
+import {partText, valuesText} from '../../../host/serve/page/panel/measure_words.js';
 import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf}
   from '../../../host/serve/page/panel/measures.js';
 
@@ -71,6 +71,9 @@ const REGION = /** @type {any} */ ({kind: 'ellipse', points_mm: [[0, 0, 5], [10,
   value: 157.08, slice: {axis: 'z', index: 4},
   values: {voxels: 1234, mean: 41.23456, deviation: 8, least: -12, most: 60}});
 
+const PART = /** @type {any} */ ({kind: 'part', points_mm: [[4, 5, 6]], value: 42.5,
+  part: {surface: 'bone', isovalue: 250.5, cavity: true, closed: false, area_mm2: 12345}});
+
 test('the last point makes the measurement; a path ends when the user says so', () => {
   const angle = new Points('angle');
   assert.equal(angle.take([1, 0, 0]), null);
@@ -99,6 +102,11 @@ test('measurements are told in words', () => {
   assert.equal(measureText(REGION), '157 mm²');
   assert.equal(valuesText(REGION.values, 'HU'),
     'mean 41.23, deviation 8, -12 to 60 HU, 1,234 voxels');
+  assert.equal(measureText(PART), '42.5 ml');
+  assert.equal(partText(PART.part, 'HU'),
+    'cavity in bone at 250.5 HU, 123.5 cm², closed by the faces of the scan');
+  assert.equal(partText({...PART.part, cavity: false, closed: true}, ''),
+    'bone at 250.5, 123.5 cm²');
   assert.equal(measureText({kind: 'rectangle', value: 0.0432}), '0.043 mm²');
   // Least and most are values that voxels have.
   assert.equal(valuesText(valuesOf([12345, 30001, 32767]), ''),
@@ -112,21 +120,24 @@ test('files have every number in full', () => {
   measures.add(REGION);
   measures.add({...REGION, slice: {axis: 'z', index: 4, slab_mm: 7.5, slab_kind: 'max'}});
   measures.add({kind: 'note', points_mm: [[1, 2, 3]], value: 0, text: 'a "cyst", old'});
-  const [head, first, second, third, note, end] = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'})
-    .split('\r\n');
-  assert.equal(head.split(',').length, 17);
+  measures.add(PART);
+  const csv = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'});
+  const [head, first, second, third, note, part, end] = csv.split('\r\n');
+  assert.equal(head.split(',').length, 22);
   const name = '"a, ""b"""';
-  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,,`);
+  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,,,,,,,`);
   assert.equal(second,
-    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,,`);
-  assert.ok(third.endsWith('-12,60,HU,7.5,max,'), third);
-  assert.equal(note, `${name},4,note,,,1 2 3,,,,,,,,,,,"a ""cyst"", old"`);
+    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,,,,,,,`);
+  assert.ok(third.endsWith('-12,60,HU,7.5,max,,,,,,'), third);
+  assert.equal(note, `${name},4,note,,,1 2 3,,,,,,,,,,,"a ""cyst"", old",,,,,`);
+  assert.equal(part, `${name},5,part,42.5,ml,4 5 6,,,,,,,,,,,,bone,250.5,yes,no,12345`);
   assert.equal(end, '');
   const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
   assert.equal(json.volume, 'a "scan"');
   assert.deepEqual(json.measurements.slice(0, 3).map(each => each.unit), ['mm', 'mm2', 'mm2']);
   assert.deepEqual(json.measurements[3],
     {name: '4', kind: 'note', points_mm: [[1, 2, 3]], text: 'a "cyst", old'});
+  assert.deepEqual(json.measurements[4], {name: '5', ...PART, unit: 'ml'});
   assert.deepEqual(json.measurements[1].values, REGION.values);
   assert.equal(json.measurements[1].voxel_index, 4);
   assert.ok(!('slab_mm' in json.measurements[1]));
@@ -144,6 +155,7 @@ test('sessions are restored, also those that had distances alone', () => {
   assert.equal(measures.list[1].name, '4');
   const again = new Measures();
   measures.add({kind: 'note', points_mm: [[1, 2, 3]], value: 0, text: 'old'});
+  measures.add(PART);
   const saved = checked(JSON.parse(JSON.stringify(measures.list)));
   assert.deepEqual(saved.errors, []);
   again.restore(saved.list);
@@ -171,6 +183,9 @@ test('a wrong measurement of a session is named with its field, and the others a
     [{value: '5'}, /value is "5", but a number/],
     [{value: null}, /value is null/],
     [{kind: 'note', points_mm: [[1, 2, 3]]}, /text is missing, but a text with at most 200/],
+    [{...PART, part: {...PART.part, surface: ''}}, /part\.surface is "", but a name with at most/],
+    [{...PART, part: {...PART.part, closed: 1}}, /part\.closed is 1, but true or false is needed/],
+    [{...PART, part: undefined}, /part\.surface is missing/],
     [{...REGION, slice: {axis: 'w', index: 4}}, /slice is \{"axis":"w","index":4\}/],
     [{...REGION, slice: {axis: 'z', index: 4.5}}, /slice/],
     [{...REGION, values: {...REGION.values, mean: 'x'}}, /values\.mean is "x", but a number/],

@@ -12,7 +12,7 @@ import {drawMarks} from './measure_marks.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../panel/measures.js').Measure} Measure */
-/** @typedef {'distance' | 'angle' | 'path' | 'note'} LineKind */
+/** @typedef {'distance' | 'angle' | 'path' | 'part' | 'note'} LineKind */
 /** @typedef {{x: number, y: number, visible: boolean}} Place  In the picture. */
 
 const MODE = 'measure';
@@ -20,8 +20,11 @@ const HINTS = {
   distance: 'Click two points on a surface to measure the distance. Press Esc to stop.',
   angle: 'Click three points on a surface: the second is the vertex. Press Esc to stop.',
   path: 'Click the points of a path on a surface. Enter ends it. Press Esc to stop.',
+  part: 'Click a part of a surface to measure its volume. Press Esc to stop.',
   note: 'Click a point on a surface, then type the note. Press Esc to stop.',
 };
+const NO_VOLUME = 'This part has no volume: it has holes, or most of the scan lies inside it. '
+  + 'Choose another part, or another isovalue.';
 const MOST_ERRORS = 3;      // Of a session, in one message.
 const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 
@@ -67,6 +70,8 @@ class MeasurePanel {
       {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
       {name: 'angle', title: 'Angle', help: 'Three points: the second is the vertex'},
       {name: 'path', title: 'Path', help: 'Length of straight lines from point to point'},
+      {name: 'part', title: 'Part',
+        help: 'Volume of a connected part of a surface, or of a cavity in it'},
       {name: 'note', title: 'Note', help: 'An arrow with a text'},
     ], kind => this.choose(kind));
     this.done = h('button', {type: 'button', hidden: true, 'data-testid': 'measure-done',
@@ -86,7 +91,8 @@ class MeasurePanel {
         onclick: () => app.measures.removeAll()}, 'Delete all'));
     app.picture.overlay.append(this.drawing);
     root.append(
-      intro('Distances, angles, paths and notes on surfaces. Slices measure, too.'),
+      intro('Distances, angles, paths, volumes of parts, and notes on surfaces. Slices measure, '
+        + 'too.'),
       h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done),
       this.list.element, this.files, this.message.element);
   }
@@ -177,7 +183,9 @@ class MeasurePanel {
     }
     const identity = this.identity;
     // The point of each click is kept: the pixel may show another one at the next click.
-    const {ok, error = '', result} = await this.app.connection.do(`pick ${x} ${y}`, {quiet: true});
+    const isPart = this.kind === 'part';
+    const {ok, error = '', result} = await this.app.connection.do(
+      `pick ${x} ${y}${isPart ? ' part=yes' : ''}`, {quiet: true});
     if (identity !== this.identity) {
       return;  // The point belongs to a volume that was open before.
     }
@@ -189,11 +197,29 @@ class MeasurePanel {
       this.write(result.p_mm);
       return;
     }
+    if (isPart) {
+      this.addPart(result);
+      return;
+    }
     try {
       this.add(this.points.take(result.p_mm));
     } catch (same) {
       this.add(null, sentenceOf(same));
     }
+  }
+
+  /**
+   * Adds the volume of a part, or says why it has none.
+   * @param {any} picked  The answer to `pick ... part=yes`.
+   */
+  addPart({surface, isovalue, p_mm, part}) {
+    if (part.volume_ml === undefined) {
+      this.add(null, NO_VOLUME);
+      return;
+    }
+    const {cavity, closed, area_mm2} = part;
+    this.add({kind: 'part', points_mm: [p_mm], value: part.volume_ml,
+      part: {surface, isovalue, cavity, closed, area_mm2}});
   }
 
   /**

@@ -1,5 +1,5 @@
 // Ends of measurements in the picture: dragged, or moved by keys, from surface to surface.
-import {isRegion, through} from '../panel/measures.js';
+import {PART_STAYS, isRegion, through} from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
 
 /** @typedef {import('../panel/measures.js').Measure} Measure */
@@ -63,6 +63,7 @@ export class MeasureEnds {
    */
   refusal_({kind}) {
     return this.app_.connection.watches ? 'A view-only page moves ends in slices alone.'
+      : kind === 'part' ? PART_STAYS
       : isRegion(kind) ? 'The corners of regions move in the tab Slices.' : '';
   }
 

@@ -8,6 +8,7 @@ import {shown} from './panel_parts.js';
 
 const LEAST_OF_PATH = 2;     // Points.
 const MOST_POINTS = 10_000;  // Of a path.
+const MOST_SURFACE = 200;    // Letters.
 const SLAB_KINDS = ['mean', 'max', 'min'];
 
 const isNumber = (/** @type {unknown} */ value) => Number.isFinite(value);
@@ -15,6 +16,16 @@ const isText = (/** @type {unknown} */ value, /** @type {number} */ most) =>
   typeof value === 'string' && value.trim() !== '' && value.length <= most;
 const isPoint = (/** @type {unknown} */ value) =>
   Array.isArray(value) && value.length === 3 && value.every(isNumber);
+
+/** @type {Record<string, {isRight: (value: unknown) => boolean, needed: string}>} */
+const PART_FIELDS = {
+  surface: {isRight: value => isText(value, MOST_SURFACE),
+    needed: `a name with at most ${MOST_SURFACE} letters`},
+  isovalue: {isRight: isNumber, needed: 'a number'},
+  cavity: {isRight: value => typeof value === 'boolean', needed: 'true or false'},
+  closed: {isRight: value => typeof value === 'boolean', needed: 'true or false'},
+  area_mm2: {isRight: isNumber, needed: 'a number'},
+};
 
 /**
  * The measurements that are right, and an error for each of the others.
@@ -48,8 +59,11 @@ export function checked(saved) {
  * @param {Measure} measure
  * @returns {Measure}
  */
-function cleaned({name, kind, points_mm, value, text, slice, values}) {
+function cleaned({name, kind, points_mm, value, text, slice, values, part}) {
+  const fields = Object.keys(PART_FIELDS).map(field =>
+    [field, part?.[/** @type {keyof import('./measures.js').Part} */ (field)]]);
   return isRegion(kind) ? {name, kind, points_mm, value, slice, values}
+    : kind === 'part' ? {name, kind, points_mm, value, part: Object.fromEntries(fields)}
     : kind === 'note' ? {name, kind, points_mm, value: 0, text}
       : {name, ...through(kind, points_mm)};
 }
@@ -63,7 +77,7 @@ function errorOf(measure, before) {
   if (typeof measure !== 'object' || measure === null) {
     return `it is ${shown(measure)}, but an object is needed.`;
   }
-  const {name, kind, points_mm, value, text, slice, values} = measure;
+  const {name, kind, points_mm, value, text, slice, values, part} = measure;
   const needs = (/** @type {string} */ field, /** @type {unknown} */ is,
     /** @type {string} */ what) => `${field} is ${shown(is)}, but ${what} is needed.`;
   if (!isText(name, MOST_LETTERS) || before.some(each => each.name === name)) {
@@ -85,6 +99,11 @@ function errorOf(measure, before) {
   }
   if (kind === 'note' && !isText(text, MOST_NOTE)) {
     return needs('text', text, `a text with at most ${MOST_NOTE} letters`);
+  }
+  if (kind === 'part') {
+    const wrong = Object.entries(PART_FIELDS).find(([field, {isRight}]) =>
+      !isRight(part?.[field]));
+    return wrong ? needs(`part.${wrong[0]}`, part?.[wrong[0]], wrong[1].needed) : '';
   }
   if (!isRegion(kind)) {
     return slice !== undefined || values !== undefined

@@ -9,12 +9,13 @@ import {isRegion} from './measures.js';
  * @param {Kind} kind
  */
 function unitOf(kind) {
-  return kind === 'note' ? '' : kind === 'angle' ? 'degrees' : isRegion(kind) ? 'mm2' : 'mm';
+  return kind === 'note' ? '' : kind === 'angle' ? 'degrees' : kind === 'part' ? 'ml'
+    : isRegion(kind) ? 'mm2' : 'mm';
 }
 
 const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
   'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit', 'slab_mm',
-  'slab_kind', 'text'];
+  'slab_kind', 'text', 'surface', 'isovalue', 'cavity', 'closed', 'area_mm2'];
 
 /**
  * A text that a spreadsheet does not take for a formula. It may come from another person's session.
@@ -30,13 +31,15 @@ function plainText(text) {
  * @param {{name: string, unit: string}} volume
  */
 export function csvOf(measures, volume) {
-  const lines = measures.map(({name, kind, value, points_mm, slice, values, text}) => [
+  const lines = measures.map(({name, kind, value, points_mm, slice, values, text, part}) => [
     plainText(volume.name), plainText(name), kind, kind === 'note' ? '' : value, unitOf(kind),
     points_mm.map(p => p.join(' ')).join('; '),
     ...slice ? [slice.axis, slice.index] : ['', ''],
     ...values ? [values.voxels, values.mean, values.deviation ?? '', values.least, values.most,
       volume.unit] : ['', '', '', '', '', ''],
-    slice?.slab_mm ?? '', slice?.slab_kind ?? '', plainText(text ?? '')]);
+    slice?.slab_mm ?? '', slice?.slab_kind ?? '', plainText(text ?? ''),
+    ...part ? [plainText(part.surface), part.isovalue, part.cavity ? 'yes' : 'no',
+      part.closed ? 'yes' : 'no', part.area_mm2] : ['', '', '', '', '']]);
   const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');

@@ -1,6 +1,6 @@
 // The list of measurements: names, values, and the ends of the chosen one.
 import {h, setText} from '../elements/dom.js';
-import {slabNote, valuesText} from './measure_words.js';
+import {partText, slabNote, valuesText} from './measure_words.js';
 import {KIND_TITLES, MOST_NOTE, endTitle, measureText} from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
@@ -88,7 +88,8 @@ export class MeasureList {
       setText(value, measureText(measure));
       const unit = this.app_.store.state?.volume?.unit ?? '';
       setText(values, measure.values
-        ? `${valuesText(measure.values, unit)}${slabNote(measure.slice)}` : '');
+        ? `${valuesText(measure.values, unit)}${slabNote(measure.slice)}`
+        : measure.part ? partText(measure.part, unit) : '');
     }};
   }
 

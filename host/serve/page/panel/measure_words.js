@@ -1,7 +1,8 @@
 // The values of a region in words.
-import {counted, significant} from '../elements/numbers.js';
+import {counted, grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {import('./measures.js').MeasuredSlice} MeasuredSlice */
+/** @typedef {import('./measures.js').Part} Part */
 /** @typedef {import('./measures.js').Values} Values */
 
 /**
@@ -22,4 +23,15 @@ export function valuesText({voxels, mean, deviation, least, most}, unit) {
 export function slabNote(slice) {
   return slice?.slab_mm ? `, ${slice.slab_kind} of a slab of ` +
     `${significant(slice.slab_mm, 4)} mm` : '';
+}
+
+/**
+ * "bone at 250.5 HU, 2,107.7 cm²", with what is special about the part.
+ * @param {Part} part
+ * @param {string} unit
+ */
+export function partText({surface, isovalue, cavity, closed, area_mm2}, unit) {
+  return `${cavity ? 'cavity in ' : ''}${surface} at ${significant(isovalue, 6)}` +
+    `${unit ? ` ${unit}` : ''}, ${grouped(area_mm2 / 100, 1)} cm²` +
+    `${closed ? '' : ', closed by the faces of the scan'}`;
 }

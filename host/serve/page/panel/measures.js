@@ -2,7 +2,7 @@
 import {grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
-/** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle' | 'note'} Kind */
+/** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle' | 'part' | 'note'} Kind */
 
 /**
  * Values of the voxels in a region. A single voxel has no deviation.
@@ -17,14 +17,22 @@ import {grouped, significant} from '../elements/numbers.js';
  */
 
 /**
+ * A component of a surface as it was then. The faces of the scan close it if it is not closed.
+ * @typedef {{surface: string, isovalue: number, cavity: boolean, closed: boolean,
+ *   area_mm2: number}} Part
+ */
+
+/**
  * @typedef {object} Measure
  * @property {string} name          Counts from 1, unless the user changes it; no other has it.
  * @property {Kind} kind
  * @property {Triple[]} points_mm   LPS. Distance: both ends. Angle: its vertex is the second. Path:
  *     all corners. Ellipse and rectangle: two opposite corners of the box around them. Note: the
- *     place that its arrow points to.
- * @property {number} value         Distance, path: mm. Angle: degrees. Note: 0. Others: mm².
+ *     place that its arrow points to. Part: a point of its surface.
+ * @property {number} value         Distance, path: mm. Angle: degrees. Part: ml. Note: 0. Others:
+ *     mm².
  * @property {string} [text]        Of a note.
+ * @property {Part} [part]
  * @property {MeasuredSlice} [slice]  Of an ellipse or a rectangle.
  * @property {Values} [values]      Likewise.
  */
@@ -35,12 +43,16 @@ export const MOST_NOTE = 200;   // Letters.
 const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 
 /** How many points end a measurement; a path ends when the user says so. */
-export const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, note: 1};
+export const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, part: 1,
+  note: 1};
 const ORDINALS = ['first', 'second', 'third'];
 
 /** @type {Record<Kind, string>} */
 export const KIND_TITLES = {distance: 'Distance', angle: 'Angle', path: 'Path',
-  ellipse: 'Ellipse', rectangle: 'Rectangle', note: 'Note'};
+  ellipse: 'Ellipse', rectangle: 'Rectangle', part: 'Part', note: 'Note'};
+
+/** Why the page refuses to move the place of a part. */
+export const PART_STAYS = 'The place of a part stays. Measure another part by a click on it.';
 
 /**
  * Whether values of voxels belong to this kind.
@@ -322,7 +334,7 @@ export function endTitle(kind, index, count) {
   if (isRegion(kind)) {
     return `Corner ${index + 1}`;
   }
-  if (kind === 'note') {
+  if (kind === 'note' || kind === 'part') {
     return 'Place';
   }
   if (kind === 'angle' && index === 1) {
@@ -384,5 +396,5 @@ export function measureText({kind, value, text = ''}) {
     return `${grouped(value, 1)}°`;
   }
   const digits = value < 1 ? significant(value, 2) : grouped(value, value < 100 ? 1 : 0);
-  return `${digits} ${isRegion(kind) ? 'mm²' : 'mm'}`;
+  return `${digits} ${kind === 'part' ? 'ml' : isRegion(kind) ? 'mm²' : 'mm'}`;
 }

@@ -2,7 +2,7 @@
 import {byId, h} from '../elements/dom.js';
 import {percent, short} from '../elements/numbers.js';
 import {KIND_TITLES, measureText} from '../panel/measures.js';
-import {slabNote, valuesText} from '../panel/measure_words.js';
+import {partText, slabNote, valuesText} from '../panel/measure_words.js';
 
 /** @param {import('../panel/app.js').App} app */
 export function createPrint(app) {
@@ -24,6 +24,7 @@ export function createPrint(app) {
     title.hidden = app.measures.list.length === 0;
     measures.replaceChildren(...app.measures.list.map(each => h('li', {class: 'row'},
       h('b', {}, each.name), `${KIND_TITLES[each.kind]}: ${measureText(each)}`,
+      each.part && `(${partText(each.part, unit())})`,
       each.values && `(${valuesText(each.values, unit())}${slabNote(each.slice)})`)));
   });
 }

@@ -46,7 +46,7 @@ export function endsOf({axes}, {kind, voxels}) {
  */
 export function nearestEnd(slice, marks, placeOf, place, reach) {
   let [least, found] = [reach, /** @type {End | null} */ (null)];
-  for (const mark of marks.filter(each => each.name && isOn(slice, each))) {
+  for (const mark of marks.filter(each => each.name && each.kind !== 'part' && isOn(slice, each))) {
     endsOf(slice, mark).forEach((voxel, end) => {
       const [x, y] = placeOf(voxel);
       const far = Math.hypot(x - place[0], y - place[1]);

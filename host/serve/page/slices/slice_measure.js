@@ -2,7 +2,8 @@
 import {h} from '../elements/dom.js';
 import {MeasureList} from '../panel/measure_list.js';
 import {slabNote, valuesText} from '../panel/measure_words.js';
-import {KIND_TITLES, Points, isRegion, labelText, measureText} from '../panel/measures.js';
+import {KIND_TITLES, PART_STAYS, Points, isRegion, labelText, measureText}
+  from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 import {movedTo, regionOf} from './slice_ends.js';
@@ -49,7 +50,8 @@ export class SliceMeasure {
     /** The note that is being written. @private @type {Mark | null} */ this.note_ = null;
     this.kind = h('select', {'aria-label': 'What to measure', hidden: true,
       'data-testid': 'slices-kind', onchange: () => this.choose_()},
-    ...Object.entries(KIND_TITLES).map(([value, title]) => h('option', {value}, title)));
+    ...Object.entries(KIND_TITLES).filter(([kind]) => kind !== 'part').map(([value, title]) =>
+      h('option', {value}, title)));
     this.done = h('button', {type: 'button', disabled: true, hidden: true,
       'data-testid': 'slices-path-done', onclick: () => this.finish()}, 'End path');
     this.list = new MeasureList(app, 'slices', this.mover_(), message);
@@ -60,7 +62,7 @@ export class SliceMeasure {
   mover_() {
     const volume = () => this.app_.store.state?.volume ?? null;
     return {
-      refusal: () => '',
+      refusal: ({kind}) => kind === 'part' ? PART_STAYS : '',
       hint: 'Arrow keys move it by a voxel, with Shift by 10, in the large slice; the corners of a '
         + 'region in its own slice.',
       look: ({points_mm}, end) => {
