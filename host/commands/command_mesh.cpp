@@ -9,6 +9,7 @@
 #include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/surface/compare.hpp"
+#include "host/surface/parts/own_volume.hpp"
 
 namespace pxpl5::host {
 
@@ -233,29 +234,31 @@ void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Rep
     const ChosenComponent chosen =
         session.meshes.component_at(session.meshes.surface(surface), p_mm);
     const std::vector<MeshComponent>& all = chosen.parts.components;
-    const MeshComponent& part = all[chosen.number];
-    const std::optional<double> volume_mm3 = own_volume_mm3(chosen.parts, chosen.number);
-    const auto cavities = std::ranges::count_if(
-        all, [&](const MeshComponent& other) { return other.cavity_of == chosen.number; });
-    Fields fields = {{"number", static_cast<std::int64_t>(chosen.number) + 1},
+    const auto [number, volume_mm3] = own_volume(chosen.parts, chosen.number);
+    const MeshComponent& part = all[number];
+    const std::int64_t cavities = std::ranges::count_if(
+        all, [number = number](const MeshComponent& other) { return other.cavity_of == number; });
+    Fields fields = {{"number", static_cast<std::int64_t>(number) + 1},
                      {"of", static_cast<std::int64_t>(all.size())},
                      {"cavity", part.cavity},
-                     {"cavities", static_cast<std::int64_t>(cavities)},
+                     {"cavities", cavities},
                      {"closed", part.closed},
                      {"area_mm2", part.area_mm2}};
     if (volume_mm3) {
         fields.push_back({"volume_ml", *volume_mm3 / 1000});
     }
-    const std::string_view why_not =
-        part.volume_mm3 ? "most of the scan lies inside it" : "it has holes";
-    reply.text += fmt::format(
-        "\n{} {} of {}: {}{}{}, {:.2f} cm2", part.cavity ? "cavity, component" : "component",
-        chosen.number + 1, all.size(),
-        volume_mm3 ? fmt::format("{:.3f} ml", *volume_mm3 / 1000)
-                   : fmt::format("no volume ({})", why_not),
-        volume_mm3 && cavities > 0 ? fmt::format(" without {}", counted_cavities(cavities)) : "",
-        volume_mm3 && !part.closed ? " (closed by the faces of the scan)" : "",
-        part.area_mm2 / 100);
+    // Small ones have digits, too.
+    const auto with_digits = [](double value) {
+        return value < 1 ? fmt::format("{:.3g}", value) : fmt::format("{:.3f}", value);
+    };
+    reply.text +=
+        fmt::format("\n{} {} of {}: {}{}{}, {} cm2",
+                    part.cavity ? "cavity, component" : "component", number + 1, all.size(),
+                    volume_mm3 ? with_digits(*volume_mm3 / 1000) + " ml"
+                               : "no volume, because it or a component in it has holes",
+                    volume_mm3 && cavities > 0 ? " without " + counted_cavities(cavities) : "",
+                    volume_mm3 && !part.closed ? " (closed by the faces of the scan)" : "",
+                    with_digits(part.area_mm2 / 100));
     reply.fields.push_back({"part", fields});
 }
 

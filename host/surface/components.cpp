@@ -296,6 +296,7 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
             sums[number].moment += 2 * area_mm2 * p_mm;
         }
     }
+    out.box_mm3 = measure.box_mm3();
     for (std::size_t i = 0; i < sums.size(); ++i) finish(sums[i], measure, out.components[i]);
     if (grid.nx != 0 && std::any_of(out.components.begin(), out.components.end(), is_around)) {
         VolumeSums whole;
@@ -314,24 +315,6 @@ Shown show_component(const MeshComponents& parts, std::size_t component, Cavitie
     return show_if(parts, [=](std::size_t number, const MeshComponent& c) {
         return number == component || (has_cavities && c.cavity_of == component);
     });
-}
-
-std::optional<double> own_volume_mm3(const MeshComponents& parts, std::size_t component) {
-    const MeshComponent& own = parts.components[component];
-    if (!own.volume_mm3) {
-        return std::nullopt;
-    }
-    if (own.cavity) {
-        return -*own.volume_mm3;
-    }
-    double sum_mm3 = *own.volume_mm3;
-    for (const MeshComponent& other : parts.components) {
-        if (other.cavity_of == component && !other.volume_mm3) {
-            return std::nullopt;
-        }
-        sum_mm3 += other.cavity_of == component ? *other.volume_mm3 : 0;
-    }
-    return sum_mm3 < 0 ? std::nullopt : std::optional(sum_mm3);
 }
 
 std::size_t largest_component(const MeshComponents& parts) {

@@ -35,6 +35,7 @@ struct MeshComponent {
 struct MeshComponents {
     std::vector<MeshComponent> components;  ///< Most triangles first; of equals the lower triangle.
     std::vector<std::uint32_t> of_triangle;
+    double box_mm3 = 0;  ///< The whole volume.
 };
 
 MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid);
@@ -53,11 +54,6 @@ Shown show_component(const MeshComponents& parts, std::size_t component,
 /// The number of the largest component that is no cavity of another component. The mesh has
 /// components (asserted).
 std::size_t largest_component(const MeshComponents& parts);
-
-/// The volume of a component in mm3: of a cavity what its wall encloses, of another one what it
-/// encloses without its cavities. None if one of these has holes, or if most of the box of the
-/// scan lies inside an open component.
-std::optional<double> own_volume_mm3(const MeshComponents& parts, std::size_t component);
 
 enum class ComponentMeasure : std::uint8_t { triangles, area_mm2, volume_ml };
 /// The components of at least `least` with their cavities. Volumes count without their sign, and

@@ -105,6 +105,7 @@ test('measurements are told in words', () => {
   assert.equal(measureText(PART), '42.5 ml');
   assert.equal(partText(PART.part, 'HU'),
     'cavity in bone at 250.5 HU, 123.5 cm², closed by the faces of the scan');
+  assert.match(partText({...PART.part, area_mm2: 2.345}, ''), /, 0\.023 cm²/);
   assert.equal(partText({...PART.part, cavity: false, closed: true}, ''),
     'bone at 250.5, 123.5 cm²');
   assert.equal(measureText({kind: 'rectangle', value: 0.0432}), '0.043 mm²');
@@ -183,8 +184,9 @@ test('a wrong measurement of a session is named with its field, and the others a
     [{value: '5'}, /value is "5", but a number/],
     [{value: null}, /value is null/],
     [{kind: 'note', points_mm: [[1, 2, 3]]}, /text is missing, but a text with at most 200/],
-    [{...PART, part: {...PART.part, surface: ''}}, /part\.surface is "", but a name with at most/],
+    [{...PART, part: {...PART.part, surface: ''}}, /part\.surface is "", but the name of a/],
     [{...PART, part: {...PART.part, closed: 1}}, /part\.closed is 1, but true or false is needed/],
+    [{...PART, part: {...PART.part, area_mm2: -1}}, /area_mm2 is -1, but a number of 0 or more/],
     [{...PART, part: undefined}, /part\.surface is missing/],
     [{...REGION, slice: {axis: 'w', index: 4}}, /slice is \{"axis":"w","index":4\}/],
     [{...REGION, slice: {axis: 'z', index: 4.5}}, /slice/],

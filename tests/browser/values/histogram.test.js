@@ -35,6 +35,14 @@ const shown = () => page.evaluate(() => {
   return { first: labels[0], last: labels.at(-1), x, beyond, width: svg.clientWidth,
            path: svg.querySelector('.area').getAttribute('d') };
 });
+/** The value at a place of the window, by the labels of the axis. */
+const valueAt = x => page.evaluate(x => {
+  const [a, b] = [...document.querySelectorAll('#histogram .axis text')].map(each => {
+    const box = each.getBoundingClientRect();
+    return { x: box.left + box.width / 2, value: Number(each.textContent.replace(',', '')) };
+  });
+  return a.value + (x - a.x) / (b.x - a.x) * (b.value - a.value);
+}, x);
 const isovalue = async () => (await state(page)).surfaces.find(each => each.name === 'bone')
   .isovalue;
 
@@ -44,6 +52,10 @@ test('the buttons show fewer values around the chosen surface, and all again', a
   const whole = await shown();
   assert.ok(await byId('values-all').isDisabled(), 'all values are shown');
   await byId('values-fewer').click();
+  const half = await shown();
+  assert.ok(Math.abs(half.x - half.width / 2) < 2, `the handle is in the middle: ${half.x}`);
+  assert.equal(await page.locator('#histogram').evaluate(svg =>
+    getComputedStyle(svg).cursor), 'grab');
   await byId('values-fewer').click();
   const part = await shown();
   assert.ok(part.last - part.first < (whole.last - whole.first) / 2,
@@ -83,6 +95,15 @@ test('an empty place can be dragged, and a handle beyond the values points to th
   assert.ok(now.first > was.first, `${was.first}, ${now.first}`);
   assert.equal(await isovalue(), value, 'the surface stays');
   assert.ok(now.beyond, 'the isovalue is not shown any more');
+  // More values around the shown ones, wherever the isovalue is.
+  await byId('values-more').click();
+  const more = await shown();
+  assert.ok(more.first <= now.first && more.last >= now.last, JSON.stringify([now, more]));
+  await byId('values-fewer').click();
+  await byId('values-all').click();
+  for (let k = 0; k < 3; ++k) await byId('values-fewer').click();
+  await drag(page, { x: box.x + 220, y }, { x: box.x + 20, y });
+  assert.ok((await shown()).beyond);
   // A key brings the values to the handle.
   await byId('handle-bone').focus();
   await after(page, () => page.keyboard.press('ArrowRight'));
@@ -98,6 +119,7 @@ test('Ctrl and the wheel zoom at the pointer; the wheel alone does not', async (
   await page.mouse.move(x, y);
   await page.mouse.wheel(0, -100);
   assert.deepEqual(await shown(), whole);
+  const before = await valueAt(x);
   await page.keyboard.down('Control');
   await page.mouse.wheel(0, -100);
   await page.keyboard.up('Control');
@@ -105,6 +127,7 @@ test('Ctrl and the wheel zoom at the pointer; the wheel alone does not', async (
     '[data-testid="values-all"]').disabled);
   const part = await shown();
   assert.ok(part.last - part.first < whole.last - whole.first);
+  assert.ok(Math.abs(await valueAt(x) - before) < 5, `${before} stays under the pointer`);
   await byId('values-all').click();
 });
 

@@ -48,6 +48,7 @@ test('beside the surfaces there is no part, and the place of a part stays', asyn
   await byId('measure-message').getByText('There is no surface').waitFor();
   await count(1);
   await byId('measure-choose-1').click();
+  assert.match(await byId('measure-end-0').getAttribute('aria-label'), /The place of a part stays/);
   await byId('measure-end-0').focus();
   await page.keyboard.press('ArrowRight');
   await byId('measure-message').getByText('The place of a part stays').waitFor();
@@ -60,6 +61,20 @@ test('beside the surfaces there is no part, and the place of a part stays', asyn
   await page.mouse.move(from.x + 50, from.y, { steps: 4 });
   await page.mouse.up();
   await stateWhen(page, (now, was) => now.camera.azimuth_deg !== was, before);
+});
+
+test('what a click measures is chosen at the click', async () => {
+  const { x, y } = await middleOf(byId('stage'));
+  await byId('choice-part').click();
+  await byId('measure-mode').click();
+  await page.mouse.click(x, y - 60);
+  await byId('choice-note').click();
+  await count(2);
+  assert.match(await listed().nth(1).textContent(), /ml part/);
+  assert.equal(await byId('note-editor').count(), 0);
+  await page.keyboard.press('Escape');
+  await byId('measure-delete-2').click();
+  await count(1);
 });
 
 test('a session keeps the part as it was measured, after the surface has changed', async () => {

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "host/surface/parts/own_volume.hpp"
 #include "tests/host/surface/surface_support.hpp"
 #include "tests/random_seed.hpp"
 
@@ -13,8 +14,8 @@ using namespace pxpl5;
 using namespace pxpl5::test;
 using host::ComponentMeasure;
 using host::MeshComponent;
-using host::MeshComponents;
 using host::Shown;
+using host::WeldedMesh;
 
 namespace {
 
@@ -100,29 +101,58 @@ TEST_SUITE("host/surface/cavities") {
             host::certify(shown_part(p.mesh, show_component(p.parts, 0)), p.grid);
         CHECK(certificate.volume_mm3 ==
               doctest::Approx(c[0].volume_mm3.value() + c[1].volume_mm3.value()));
-        CHECK(own_volume_mm3(p.parts, 0).value() == doctest::Approx(certificate.volume_mm3));
-        CHECK(own_volume_mm3(p.parts, 1) == -c[1].volume_mm3.value());
-        CHECK(own_volume_mm3(p.parts, 4) == c[4].volume_mm3.value());
+        const auto volume_mm3 = [&](std::size_t i) {
+            return own_volume(p.parts, i).volume_mm3.value();
+        };
+        CHECK(volume_mm3(0) == doctest::Approx(certificate.volume_mm3));
+        CHECK(volume_mm3(1) == -c[1].volume_mm3.value());
+        CHECK(volume_mm3(4) == c[4].volume_mm3.value());
         // Shells and balls of these radii; the mesh cuts their curves.
         const auto ball_mm3 = [](double r) { return 4.0 / 3.0 * std::numbers::pi * r * r * r; };
-        CHECK(own_volume_mm3(p.parts, 0).value() ==
-              doctest::Approx(ball_mm3(12) - ball_mm3(9.5)).epsilon(0.03));
-        CHECK(own_volume_mm3(p.parts, 3).value() == doctest::Approx(ball_mm3(4)).epsilon(0.05));
+        CHECK(volume_mm3(0) == doctest::Approx(ball_mm3(12) - ball_mm3(9.5)).epsilon(0.03));
+        CHECK(volume_mm3(3) == doctest::Approx(ball_mm3(4)).epsilon(0.05));
     }
 
-    TEST_CASE("a component with holes, or around most of the scan, has no volume of its own") {
-        MeshComponents parts;
-        parts.components.resize(3);
-        parts.components[0].volume_mm3 = 5;
-        parts.components[1].cavity = true;
-        parts.components[1].cavity_of = 0;
-        parts.components[2].volume_mm3 = -7;  // Closed by the faces of the scan.
-        CHECK_FALSE(own_volume_mm3(parts, 0).has_value());
-        CHECK_FALSE(own_volume_mm3(parts, 1).has_value());
-        CHECK_FALSE(own_volume_mm3(parts, 2).has_value());
-        parts.components[1].volume_mm3 = -2;
-        CHECK(own_volume_mm3(parts, 0) == 3.0);
-        CHECK(own_volume_mm3(parts, 1) == 2.0);
+    TEST_CASE("a slab between two open components has the volume between them, asked of either") {
+        for (const auto& [low, high] : {std::pair(9.0, 11.0), std::pair(1.0, 9.0),
+                                        std::pair(2.0, 18.0), std::pair(9.0, 16.0)}) {
+            CAPTURE(low);
+            const Volume volume =
+                make_volume({21, 6, 5}, Scalar::float32, [low = low, high = high](int x, int, int) {
+                    return std::min(x - low, high - x) + 0.25;  // 0.25 further out.
+                });
+            const Parts p = parts_of(volume, 0);
+            REQUIRE(p.parts.components.size() == 2);
+            const double slab_mm3 = p.parts.box_mm3 * (high - low + 0.5) / 20;
+            for (std::size_t i = 0; i < 2; ++i) {
+                const auto [component, volume_mm3] = own_volume(p.parts, i);
+                const double outside_mm3 = -p.parts.components[i].volume_mm3.value_or(0);
+                // Beside a slab in the larger half, the other face is a cavity of it.
+                const bool is_hollow = p.parts.components[component].cavity;
+                CHECK(volume_mm3.value() ==
+                      doctest::Approx(is_hollow ? outside_mm3 : slab_mm3).epsilon(1e-6));
+            }
+        }
+    }
+
+    TEST_CASE("a component with holes in it, or beside an open one, has no volume of its own") {
+        // A shell with a ball in its cavity.
+        const Volume volume = placed_volume({30, 30, 26}, steps, [](glm::dvec3 p) {
+            const double r = glm::length(p);
+            return std::max(1.25 - std::abs(r - 9.25), 3 - r);
+        });
+        Parts p = parts_of(volume, 0);
+        REQUIRE(p.parts.components.size() == 3);
+        CHECK(own_volume(p.parts, 0).volume_mm3.has_value());
+        WeldedMesh torn = p.mesh;
+        const std::size_t inner = p.parts.components[2].first_triangle;
+        torn.triangles.erase(torn.triangles.begin() + static_cast<std::ptrdiff_t>(inner));
+        const auto parts = find_components(torn, p.grid);
+        REQUIRE(parts.components.size() == 3);
+        CHECK_FALSE(own_volume(parts, 0).volume_mm3.has_value());  // The ball lies in it.
+        CHECK_FALSE(own_volume(parts, 2).volume_mm3.has_value());
+        CHECK(parts.components[1].cavity);
+        CHECK(own_volume(parts, 1).volume_mm3.has_value());
     }
 
     TEST_CASE("the component around a cavity bounds the same solid voxels") {

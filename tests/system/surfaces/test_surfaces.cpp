@@ -12,6 +12,7 @@
 #include "host/base/error.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
 #include "host/surface/certificate.hpp"
+#include "host/surface/parts/own_volume.hpp"
 #include "tests/system/surfaces/bone.hpp"
 
 using namespace pxpl5;
@@ -192,12 +193,12 @@ TEST_CASE("pick lists all surfaces under the pixel, and measure and components c
     double sum_mm3 = 0;
     for (std::size_t i = 0; i < chosen.parts.components.size(); ++i) {
         if (!chosen.parts.components[i].cavity) {
-            sum_mm3 += own_volume_mm3(chosen.parts, i).value();
+            sum_mm3 += own_volume(chosen.parts, i).volume_mm3.value();
         }
     }
     CHECK(sum_mm3 == doctest::Approx(bone.session.surfaces.report_of("bone").volume_mm3));
     CHECK(std::get<double>(volume_ml->value) * 1000 ==
-          doctest::Approx(own_volume_mm3(chosen.parts, chosen.number).value()));
+          doctest::Approx(own_volume(chosen.parts, chosen.number).volume_mm3.value()));
     CHECK(picked.text.find(fmt::format("\ncomponent {} of {}: ", chosen.number + 1,
                                        chosen.parts.components.size())) != std::string::npos);
     CHECK(bone.run("pick " + at).text.find("component") == std::string::npos);

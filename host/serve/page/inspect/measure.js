@@ -23,8 +23,8 @@ const HINTS = {
   part: 'Click a part of a surface to measure its volume. Press Esc to stop.',
   note: 'Click a point on a surface, then type the note. Press Esc to stop.',
 };
-const NO_VOLUME = 'This part has no volume: it has holes, or most of the scan lies inside it. '
-  + 'Choose another part, or another isovalue.';
+const NO_VOLUME = 'This part has no volume, because it or a part in it has holes. '
+  + 'The watertight tables leave no holes.';
 const MOST_ERRORS = 3;      // Of a session, in one message.
 const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 
@@ -64,7 +64,10 @@ class MeasurePanel {
     const {app} = this;
     this.button = modeButton(app, {name: MODE, title: 'Measure', hint: () => HINTS[this.kind],
       testid: 'measure-mode',
-      click: (x, y) => this.afterClicks(() => this.click(x, y)),
+      click: (x, y) => {
+        const {kind} = this;
+        this.afterClicks(() => this.click(x, y, kind));
+      },
       leave: () => this.afterClicks(() => this.finish())});
     const kinds = choiceRow('What to measure', [
       {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
@@ -176,14 +179,18 @@ class MeasurePanel {
   /**
    * @param {number} x
    * @param {number} y
+   * @param {LineKind} kind  What was measured at the click.
    */
-  async click(x, y) {
+  async click(x, y, kind) {
     if (this.rewrite(x, y)) {
       return;
     }
     const identity = this.identity;
     // The point of each click is kept: the pixel may show another one at the next click.
-    const isPart = this.kind === 'part';
+    const isPart = kind === 'part';
+    if (isPart) {
+      this.message.say('Measuring the part …');
+    }
     const {ok, error = '', result} = await this.app.connection.do(
       `pick ${x} ${y}${isPart ? ' part=yes' : ''}`, {quiet: true});
     if (identity !== this.identity) {
@@ -193,13 +200,16 @@ class MeasurePanel {
       this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
       return;
     }
-    if (this.kind === 'note') {
+    if (kind === 'note') {
       this.write(result.p_mm);
       return;
     }
     if (isPart) {
       this.addPart(result);
       return;
+    }
+    if (kind !== this.points.kind) {
+      return;  // The user has begun another measurement.
     }
     try {
       this.add(this.points.take(result.p_mm));

@@ -8,7 +8,6 @@ import {shown} from './panel_parts.js';
 
 const LEAST_OF_PATH = 2;     // Points.
 const MOST_POINTS = 10_000;  // Of a path.
-const MOST_SURFACE = 200;    // Letters.
 const SLAB_KINDS = ['mean', 'max', 'min'];
 
 const isNumber = (/** @type {unknown} */ value) => Number.isFinite(value);
@@ -19,12 +18,13 @@ const isPoint = (/** @type {unknown} */ value) =>
 
 /** @type {Record<string, {isRight: (value: unknown) => boolean, needed: string}>} */
 const PART_FIELDS = {
-  surface: {isRight: value => isText(value, MOST_SURFACE),
-    needed: `a name with at most ${MOST_SURFACE} letters`},
+  surface: {isRight: value => typeof value === 'string' && value !== '',
+    needed: 'the name of a surface'},
   isovalue: {isRight: isNumber, needed: 'a number'},
   cavity: {isRight: value => typeof value === 'boolean', needed: 'true or false'},
   closed: {isRight: value => typeof value === 'boolean', needed: 'true or false'},
-  area_mm2: {isRight: isNumber, needed: 'a number'},
+  area_mm2: {isRight: value => isNumber(value) && Number(value) >= 0,
+    needed: 'a number of 0 or more'},
 };
 
 /**

@@ -1,4 +1,4 @@
-// The values of a region in words.
+// The values of a region or a part in words.
 import {counted, grouped, significant} from '../elements/numbers.js';
 
 /** @typedef {import('./measures.js').MeasuredSlice} MeasuredSlice */
@@ -31,7 +31,9 @@ export function slabNote(slice) {
  * @param {string} unit
  */
 export function partText({surface, isovalue, cavity, closed, area_mm2}, unit) {
+  const area_cm2 = area_mm2 / 100;
+  const area = area_cm2 < 1 ? significant(area_cm2, 2) : grouped(area_cm2, 1);
   return `${cavity ? 'cavity in ' : ''}${surface} at ${significant(isovalue, 6)}` +
-    `${unit ? ` ${unit}` : ''}, ${grouped(area_mm2 / 100, 1)} cm²` +
+    `${unit ? ` ${unit}` : ''}, ${area} cm²` +
     `${closed ? '' : ', closed by the faces of the scan'}`;
 }

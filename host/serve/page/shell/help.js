@@ -30,8 +30,8 @@ const SHEET = [
     ['Slices', 'click or drag to move the crosshair; the wheel steps, with Ctrl it zooms'],
     ['Middle button, two fingers', 'move a zoomed slice'],
     ['Right button, Shift', 'drag across for contrast, down for brightness, as the tool Window'],
-    ['Measure', 'click points: distance, angle, path, note; in slices also regions. Enter or Esc '
-      + 'ends a path'],
+    ['Measure', 'click points: distance, angle, path, part, note; in slices also regions. Enter or '
+      + 'Esc ends a path'],
     ['Inspect', 'click a pixel to explain its color'],
     ['Machine', 'click a node to see its load, or to kill it'],
   ]],

@@ -1,4 +1,5 @@
 // Pointer, wheel, fingers and keys on a slice.
+import {notchesOf, timesOf} from '../elements/wheel.js';
 import {ZOOM_STEP} from './slice_zoom.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
@@ -30,9 +31,6 @@ import {ZOOM_STEP} from './slice_zoom.js';
  */
 
 const TOUCHPAD_STEP = 40;   // deltaY per slice of a touchpad, which sends many small steps.
-const LEAST_NOTCH = 50;     // A larger deltaY comes from a mouse wheel.
-const NOTCH = 120;          // deltaY of one notch; browsers add up the notches of a fast turn.
-const PINCH = 0.009;        // Zoom by deltaY of two fingers on a touchpad, as in the picture.
 const MIDDLE = 1, RIGHT = 2;  // Buttons of a mouse.
 const PAGE = 5;             // Slices per Page Up or Page Down.
 const TAP_PX = 6;           // A finger that moves less taps.
@@ -269,15 +267,12 @@ export class SliceInput {
    */
   turn_(event) {
     event.preventDefault();
-    const isPixels = event.deltaMode === WheelEvent.DOM_DELTA_PIXEL;
-    const isNotch = !isPixels || Math.abs(event.deltaY) >= LEAST_NOTCH;
-    const notches = isPixels ? Math.max(1, Math.round(Math.abs(event.deltaY) / NOTCH)) : 1;
+    const notches = notchesOf(event);
     if (event.ctrlKey || event.metaKey) {  // Also two fingers on a touchpad, in small steps.
-      this.events_.zoom(isNotch ? ZOOM_STEP ** (-Math.sign(event.deltaY) * notches)
-        : Math.exp(-event.deltaY * PINCH), this.view_.inView(event));
-    } else if (isNotch) {
+      this.events_.zoom(timesOf(event, ZOOM_STEP), this.view_.inView(event));
+    } else if (notches !== 0) {
       this.wheel_ = 0;
-      this.events_.step(Math.sign(event.deltaY) * notches);
+      this.events_.step(notches);
     } else {
       this.wheel_ += event.deltaY;
       const steps = Math.trunc(this.wheel_ / TOUCHPAD_STEP);

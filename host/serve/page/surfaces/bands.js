@@ -1,4 +1,4 @@
-// Bands of usual CT values behind the histogram.
+// Bands of usual CT values over the histogram.
 import {s} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 
@@ -32,8 +32,9 @@ export function mayBeHounsfield({modality, minimum, maximum}) {
  * @param {number} top     Pixels.
  * @param {number} base    Pixels.
  * @param {number} letter  Width of a usual letter, pixels.
+ * @param {boolean} isCt    Whether the file says that the values are of CT.
  */
-export function drawBands(group, scale, top, base, letter) {
+export function drawBands(group, scale, top, base, letter, isCt) {
   group.replaceChildren(...TISSUES.filter(({low, high}) => high > scale.low && low < scale.high)
     .map(({name, what, low, high}) => {
       const left = scale.at(Math.max(low, scale.low));
@@ -41,7 +42,8 @@ export function drawBands(group, scale, top, base, letter) {
       const range = high === Infinity ? `${short(low)} HU or more`
         : `${short(low)} to ${short(high)} HU`;
       const band = s('g', {class: 'band', 'data-testid': `band-${name}`},
-        s('title', {}, `Usual values of ${what} without contrast medium: ${range}`),
+        s('title', {}, `Usual values of ${what} without contrast medium: ${range}`
+          + (isCt ? '' : '. The file does not say that its values are of CT.')),
         s('rect', {x: left.toFixed(1), y: top, width: width.toFixed(1), height: base - top}));
       if (width > letter * name.length) {
         band.append(s('text', {x: (left + width / 2).toFixed(1), y: base - letter / 2,

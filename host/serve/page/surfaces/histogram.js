@@ -73,7 +73,7 @@ export class Histogram {
     /** @private */
     this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
       role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
-      s('clipPath', {id: 'histogram-plot'}, this.plot_), this.area_, this.bands_, this.axis_,
+      s('clipPath', {id: 'histogram-plot'}, this.plot_), this.bands_, this.area_, this.axis_,
       this.handleGroup_);
     /** @private */
     this.zoom_ = new Zoom(this.svg_, {
@@ -144,7 +144,7 @@ export class Histogram {
   /** @private */
   draw_() {
     const counts = this.counts_;
-    update(this.svg_, {class: counts ? '' : 'empty'});
+    this.svg_.classList.toggle('empty', !counts);
     const width = this.svg_.clientWidth;
     if (!counts || width === 0) {
       return;
@@ -165,7 +165,7 @@ export class Histogram {
     update(this.area_, {d: outline(tops, base, k => scale.at(left(k)))});
     const volume = this.app_.store.state?.volume;
     this.bands_.style.display = volume && mayBeHounsfield(volume) ? '' : 'none';
-    drawBands(this.bands_, scale, top, base, this.rem_ * LETTER);
+    drawBands(this.bands_, scale, top, base, this.rem_ * LETTER, volume?.modality === 'CT');
     drawAxis(this.axis_, scale, Math.max(3, Math.round(width / (5 * this.rem_))));
     this.drawHandles_();
   }
@@ -260,7 +260,8 @@ export class Histogram {
     event.preventDefault();
     handle.focus();
     const left = this.svg_.getBoundingClientRect().left;
-    let before = event.clientX, x = this.scale_.at(this.valueOf_(name));
+    const drawn = Math.max(this.scale_.low, Math.min(this.scale_.high, this.valueOf_(name)));
+    let before = event.clientX, x = this.scale_.at(drawn);
     const move = (/** @type {PointerEvent} */ moved) => {
       x = moved.shiftKey ? x + (moved.clientX - before) * FINE : moved.clientX - left;
       before = moved.clientX;

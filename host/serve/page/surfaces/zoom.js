@@ -1,10 +1,11 @@
 // The part of the values that the histogram shows.
 import {h} from '../elements/dom.js';
+import {timesOf} from '../elements/wheel.js';
 
 /** @typedef {{low: number, high: number}} Range  Values; low is less than high. */
 
 const STEP = 2;             // A button shows half or twice as many values.
-const WHEEL_STEP = 1.25;
+const WHEEL_STEP = 1.25;    // The same of a notch of the wheel.
 const FEWEST_BINS = 8;      // Of the histogram, side by side.
 
 /**
@@ -75,15 +76,14 @@ export class Zoom {
       h('button', {class: 'quiet icon', 'data-testid': id, 'aria-label': label, title: label,
         onclick}, text);
     /** @private */
-    this.less_ = button('values-more', '−', 'Show more values',
-      () => this.step_(1 / STEP));
+    this.showsMore_ = button('values-more', '−', 'Show more values', () => this.showMore_());
     /** @private */
-    this.more_ = button('values-fewer', '+',
-      'Show fewer values, around the isovalue of the chosen surface', () => this.step_(STEP));
+    this.showsFewer_ = button('values-fewer', '+',
+      'Show fewer values, around the isovalue of the chosen surface', () => this.showFewer_());
     /** @private */
     this.whole_ = button('values-all', 'All', 'Show all values', () => this.show_(this.all_));
     this.buttons = h('span', {class: 'row', role: 'group', 'aria-label': 'Values shown'},
-      this.less_, this.more_, this.whole_);
+      this.showsMore_, this.showsFewer_, this.whole_);
     svg.addEventListener('wheel', event => this.wheel_(event), {passive: false});
     svg.addEventListener('pointerdown', event => this.grab_(event));
     this.setAll({low: 0, high: 1}, 1);
@@ -105,9 +105,10 @@ export class Zoom {
    * @param {number} bin   Width of a bin.
    */
   setAll(all, bin) {
-    this.all_ = this.shown_ = {...all};
+    this.all_ = {...all};
+    this.shown_ = this.all_;
     this.narrowest_ = Math.min(FEWEST_BINS * bin, all.high - all.low);
-    this.tell_();
+    this.mark_();
   }
 
   /**
@@ -121,16 +122,18 @@ export class Zoom {
     }
   }
 
-  /**
-   * @private
-   * @param {number} times
-   */
-  step_(times) {
-    const {low, high} = this.shown_, value = this.shows_.chosen() ?? (low + high) / 2;
-    const middle = movedBy(this.shown_, this.all_, value - (low + high) / 2);
-    this.show_(zoomedAt(times > 1 ? middle : this.shown_, this.all_, times,
-                        Math.min(Math.max(value, this.all_.low), this.all_.high),
-                        this.narrowest_));
+  /** @private */
+  showMore_() {
+    const {low, high} = this.shown_;
+    this.show_(zoomedAt(this.shown_, this.all_, 1 / STEP, (low + high) / 2, this.narrowest_));
+  }
+
+  /** @private */
+  showFewer_() {
+    const {low, high} = this.shown_, middle = (low + high) / 2;
+    const fewer = zoomedAt(this.shown_, this.all_, STEP, middle, this.narrowest_);
+    this.show_(movedBy(fewer, this.all_, (this.shows_.chosen() ?? middle)
+      - (fewer.low + fewer.high) / 2));
   }
 
   /**
@@ -139,15 +142,15 @@ export class Zoom {
    */
   show_(shown) {
     this.shown_ = {...shown};
-    this.tell_();
+    this.mark_();
     this.shows_.draw();
   }
 
   /** @private */
-  tell_() {
+  mark_() {
     const {low, high} = this.shown_, isWhole = high - low >= this.all_.high - this.all_.low;
-    this.less_.disabled = this.whole_.disabled = isWhole;
-    this.more_.disabled = high - low <= this.narrowest_ * 1.001;
+    this.showsMore_.disabled = this.whole_.disabled = isWhole;
+    this.showsFewer_.disabled = high - low <= this.narrowest_ * 1.001;
     this.svg_.classList.toggle('part', !isWhole);
   }
 
@@ -156,12 +159,12 @@ export class Zoom {
    * @param {WheelEvent} event
    */
   wheel_(event) {
-    if (!event.ctrlKey) {
+    if (!event.ctrlKey && !event.metaKey || event.deltaY === 0) {
       return;  // Scrolls the side.
     }
     event.preventDefault();
     const x = event.clientX - this.svg_.getBoundingClientRect().left;
-    this.show_(zoomedAt(this.shown_, this.all_, event.deltaY < 0 ? WHEEL_STEP : 1 / WHEEL_STEP,
+    this.show_(zoomedAt(this.shown_, this.all_, timesOf(event, WHEEL_STEP),
                         this.shows_.valueAt(x), this.narrowest_));
   }
 
@@ -177,8 +180,14 @@ export class Zoom {
     const from = this.shown_;
     const left = this.svg_.getBoundingClientRect().left, value = this.shows_.valueAt;
     const perPixel = value(1) - value(0), start = event.clientX - left;
-    const move = (/** @type {PointerEvent} */ moved) =>
-      this.show_(movedBy(from, this.all_, (start - (moved.clientX - left)) * perPixel));
+    const all = this.all_;
+    const move = (/** @type {PointerEvent} */ moved) => {
+      if (this.all_ !== all) {
+        end();  // Another volume is open.
+      } else if (moved.pointerId === event.pointerId) {
+        this.show_(movedBy(from, all, (start - (moved.clientX - left)) * perPixel));
+      }
+    };
     const end = () => {
       this.svg_.removeEventListener('pointermove', move);
       this.svg_.removeEventListener('pointerup', end);

@@ -8,9 +8,7 @@
 #include <random>
 
 #include "host/serve/director/slice_packing.hpp"
-#include "ringbus/rules/byte_planes.hpp"
 
-using namespace pxpl5;
 using namespace pxpl5::host::serve;
 
 namespace {
@@ -25,9 +23,13 @@ std::vector<std::byte> unpacked(const std::vector<std::byte>& packed, std::size_
                        static_cast<uLong>(packed.size())) == Z_OK);
     REQUIRE(size == bytes);
     const std::vector<std::byte> planes = plain;
-    const std::size_t value_part = count * value_bytes;
-    join_planes(std::span(planes).first(value_part), value_bytes,
-                std::span(plain).first(value_part));
+    std::uint32_t value = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+        for (std::size_t plane = 0; plane < value_bytes; ++plane) {
+            value += std::to_integer<std::uint32_t>(planes[plane * count + k]) << 8 * plane;
+        }
+        std::memcpy(plain.data() + k * value_bytes, &value, value_bytes);
+    }
     return plain;
 }
 
