@@ -44,9 +44,9 @@ export function drawBands(group, scale, top, base, letter, isCt) {
       const band = s('g', {class: 'band', 'data-testid': `band-${name}`},
         s('title', {}, `Usual values of ${what} without contrast medium: ${range}`
           + (isCt ? '' : '. The file does not say that its values are of CT.')),
-        s('rect', {x: left.toFixed(1), y: top, width: width.toFixed(1), height: base - top}));
+        s('rect', {x: left, y: top, width, height: base - top}));
       if (width > letter * name.length) {
-        band.append(s('text', {x: (left + width / 2).toFixed(1), y: base - letter / 2,
+        band.append(s('text', {x: left + width / 2, y: base - letter / 2,
           'text-anchor': 'middle'}, name));
       }
       return band;
