@@ -52,8 +52,11 @@ class Session:
         for setting in settings or []:
             command += ["--set", setting]
         self.started_s = time.perf_counter()
-        self.process = subprocess.Popen(command, stdin=subprocess.PIPE,
-                                        stdout=subprocess.PIPE, stderr=self._errors, text=True)
+        try:
+            self.process = subprocess.Popen(command, stdin=subprocess.PIPE,
+                                            stdout=subprocess.PIPE, stderr=self._errors, text=True)
+        except OSError as error:
+            raise MeasureError(f"{program}: {error.strerror}; give the path of pxpl5") from None
 
     def send(self, command: str):
         """Hands a command over without waiting for its answer."""

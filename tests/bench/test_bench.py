@@ -179,6 +179,11 @@ class Answers(unittest.TestCase):
             kind, chosen = loads.chosen_loads("", folder, "head,skin")
         self.assertEqual((kind, [load.key for load in chosen]), ("real", ["skin", "head"]))
 
+    def test_a_program_that_is_not_there_is_named(self):
+        with self.assertRaisesRegex(session.MeasureError,
+                                    "/none/pxpl5: No such file or directory; give the path"):
+            session.Session("/none/pxpl5")
+
     def test_what_cannot_be_measured_is_an_exit_code(self):
         def fail():
             raise session.MeasureError("why")
