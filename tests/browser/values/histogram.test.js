@@ -62,7 +62,6 @@ test('the buttons show fewer values around the chosen surface, and all again', a
             `${part.first} to ${part.last}`);
   assert.ok(part.first <= await isovalue() && await isovalue() <= part.last);
   assert.ok(Math.abs(part.x - part.width / 2) < 2, `the handle is in the middle: ${part.x}`);
-  await shoot(page, 'histogram-part');
   await byId('values-all').click();
   assert.deepEqual(await shown(), whole);
 });
@@ -134,14 +133,21 @@ test('Ctrl and the wheel zoom at the pointer; the wheel alone does not', async (
 test('a CT has bands of tissues, with names where they fit', async () => {
   const band = name => byId(`band-${name}`);
   assert.match(await band('Fat').locator('title').textContent(), /-100 to -50 HU/);
-  assert.equal(await band('Fat').locator('text').count(), 0, 'too narrow for its name');
-  assert.equal(await band('Bone').locator('text').textContent(), 'Bone');
+  assert.equal(await byId('band-name-Fat').count(), 0, 'too narrow for its name');
+  assert.equal(await byId('band-name-Bone').textContent(), 'Bone');
+  assert.ok(await page.evaluate(() => {
+    const place = selector => document.querySelector(selector).compareDocumentPosition(
+      document.querySelector('#histogram .area'));
+    return place('.band') & Node.DOCUMENT_POSITION_FOLLOWING &&
+      place('.band-name') & Node.DOCUMENT_POSITION_PRECEDING;
+  }), 'the outline lies over the bands and under their names');
   const ends = await page.evaluate(() => {
     const rect = document.querySelector('[data-testid="band-Bone"] rect').getBBox();
     const plot = document.querySelector('#histogram-plot rect').getBBox();
     return { right: rect.x + rect.width, end: plot.x + plot.width };
   });
   assert.ok(Math.abs(ends.right - ends.end) < 0.2, 'the band ends at the axis');
+  await shoot(page, 'histogram-bands');
   await byId('handle-bone').focus();
   for (let k = 0; k < 12 && await byId('values-fewer').isEnabled(); ++k) {
     await byId('values-fewer').click();
@@ -165,7 +171,8 @@ const redrawn = before => page.waitForFunction(before => {
 }, before);
 
 test('another volume is shown whole, and has no bands if it is no CT', async () => {
-  const bands = () => page.locator('#histogram .bands').evaluate(group => group.style.display);
+  const bands = () => page.locator('#histogram .bands').first().evaluate(group =>
+    group.style.display);
   assert.equal(await bands(), '');
   const scan = await outline();
   await open(writeEllipsoid(path.join(server.folder, 'ball.nrrd'), [16, 16, 16], [6, 6, 6]));

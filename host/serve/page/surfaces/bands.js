@@ -1,4 +1,4 @@
-// Bands of usual CT values over the histogram.
+// Bands of usual CT values behind the histogram, with their names.
 import {s} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 
@@ -27,28 +27,29 @@ export function mayBeHounsfield({modality, minimum, maximum}) {
 /**
  * Draws a band for each tissue whose values are shown. A name that does not fit into its band is
  * only in the tooltip.
- * @param {SVGGElement} group
+ * @param {SVGGElement} group  For the bands.
+ * @param {SVGGElement} names  For their names, over the outline.
  * @param {import('./axis.js').Scale} scale
  * @param {number} top     Pixels.
  * @param {number} base    Pixels.
  * @param {number} letter  Width of a usual letter, pixels.
- * @param {boolean} isCt    Whether the file says that the values are of CT.
+ * @param {boolean} isCt   Whether the file says that the values are of CT.
  */
-export function drawBands(group, scale, top, base, letter, isCt) {
-  group.replaceChildren(...TISSUES.filter(({low, high}) => high > scale.low && low < scale.high)
-    .map(({name, what, low, high}) => {
-      const left = scale.at(Math.max(low, scale.low));
-      const width = scale.at(Math.min(high, scale.high)) - left;
-      const range = high === Infinity ? `${short(low)} HU or more`
-        : `${short(low)} to ${short(high)} HU`;
-      const band = s('g', {class: 'band', 'data-testid': `band-${name}`},
-        s('title', {}, `Usual values of ${what} without contrast medium: ${range}`
-          + (isCt ? '' : '. The file does not say that its values are of CT.')),
-        s('rect', {x: left, y: top, width, height: base - top}));
-      if (width > letter * name.length) {
-        band.append(s('text', {x: left + width / 2, y: base - letter / 2,
-          'text-anchor': 'middle'}, name));
-      }
-      return band;
-    }));
+export function drawBands(group, names, scale, top, base, letter, isCt) {
+  const bands = TISSUES.filter(({low, high}) => high > scale.low && low < scale.high)
+    .map(tissue => {
+      const x = scale.at(Math.max(tissue.low, scale.low));
+      return {...tissue, x, width: scale.at(Math.min(tissue.high, scale.high)) - x};
+    });
+  group.replaceChildren(...bands.map(({name, what, low, high, x, width}) => {
+    const range = high === Infinity ? `${short(low)} HU or more`
+      : `${short(low)} to ${short(high)} HU`;
+    return s('g', {class: 'band', 'data-testid': `band-${name}`},
+      s('title', {}, `Usual values of ${what} without contrast medium: ${range}`
+        + (isCt ? '' : '. The file does not say that its values are of CT.')),
+      s('rect', {x, y: top, width, height: base - top}));
+  }));
+  names.replaceChildren(...bands.filter(({name, width}) => width > letter * name.length)
+    .map(({name, x, width}) => s('text', {class: 'band-name', 'data-testid': `band-name-${name}`,
+      x: x + width / 2, y: top + 2 * letter, 'text-anchor': 'middle'}, name)));
 }

@@ -67,14 +67,16 @@ export class Histogram {
     /** @private */
     this.bands_ = s('g', {class: 'bands'});
     /** @private */
+    this.bandNames_ = s('g', {class: 'bands', 'aria-hidden': 'true'});
+    /** @private */
     this.axis_ = s('g', {class: 'axis'});
     /** @private */
     this.handleGroup_ = s('g');
     /** @private */
     this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
       role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
-      s('clipPath', {id: 'histogram-plot'}, this.plot_), this.bands_, this.area_, this.axis_,
-      this.handleGroup_);
+      s('clipPath', {id: 'histogram-plot'}, this.plot_), this.bands_, this.area_,
+      this.bandNames_, this.axis_, this.handleGroup_);
     /** @private */
     this.zoom_ = new Zoom(this.svg_, {
       valueAt: x => this.scale_.valueAt(x),
@@ -164,8 +166,10 @@ export class Histogram {
     const tops = counts.counts.map(n => base - Math.log1p(n) / most * (base - top));
     update(this.area_, {d: outline(tops, base, k => scale.at(left(k)))});
     const volume = this.app_.store.state?.volume;
-    this.bands_.style.display = volume && mayBeHounsfield(volume) ? '' : 'none';
-    drawBands(this.bands_, scale, top, base, this.rem_ * LETTER, volume?.modality === 'CT');
+    const display = volume && mayBeHounsfield(volume) ? '' : 'none';
+    this.bands_.style.display = this.bandNames_.style.display = display;
+    drawBands(this.bands_, this.bandNames_, scale, top, base, this.rem_ * LETTER,
+      volume?.modality === 'CT');
     drawAxis(this.axis_, scale, Math.max(3, Math.round(width / (5 * this.rem_))));
     this.drawHandles_();
   }
