@@ -25,11 +25,11 @@ OwnVolume own_volume(const MeshComponents& parts, std::size_t component) {
     }
     const MeshComponent& own = all[component];
     // A component with holes is no known cavity, and next to one no open component has cavities.
-    const bool is_unknown = std::ranges::any_of(all, [&](const MeshComponent& other) {
-        return !other.closed_but_for_border &&
-               (&other == &own ||
-                (!own.cavity && (!own.closed || meet(other.bounds_mm, own.bounds_mm))));
-    });
+    const bool is_unknown =
+        !own.cavity && std::ranges::any_of(all, [&](const MeshComponent& other) {
+            return !other.closed_but_for_border &&
+                   (!own.closed || meet(other.bounds_mm, own.bounds_mm));
+        });
     if (is_unknown) {
         return {component, std::nullopt};
     }
