@@ -208,9 +208,6 @@ class MeasurePanel {
       this.addPart(result);
       return;
     }
-    if (kind !== this.points.kind) {
-      return;  // The user has begun another measurement.
-    }
     try {
       this.add(this.points.take(result.p_mm));
     } catch (same) {

@@ -1,7 +1,7 @@
 // The list of measurements: names, values, and the ends of the chosen one.
 import {h, setText} from '../elements/dom.js';
 import {partText, slabNote, valuesText} from './measure_words.js';
-import {KIND_TITLES, MOST_NOTE, PART_STAYS, endTitle, measureText} from './measures.js';
+import {KIND_TITLES, MOST_NOTE, endTitle, measureText} from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
@@ -140,20 +140,15 @@ export class MeasureList {
     };
     const own = measures.named(name);
     const title = endTitle(own?.kind ?? 'path', end, count);
-    const hint = own?.kind === 'part' ? PART_STAYS : mover.hint;
+    const hint = own && mover.refusal(own) || mover.hint;
     return h('button', {type: 'button', 'data-testid': `${this.testid_}-end-${end}`,
       'aria-label': `${title} of measurement ${name}. ${hint}`, title: hint,
       onfocus: () => {
         const measure = measures.named(name);
-        if (measure?.kind === 'part') {
+        if (measure) {
           this.message_.say(hint);
           mover.look(measure, end);
-          return;
         }
-        withMeasure(measure => {
-          this.message_.say(hint);
-          mover.look(measure, end);
-        });
       },
       onblur: () => mover.leave(),
       onkeydown: (/** @type {KeyboardEvent} */ event) => {
