@@ -41,10 +41,8 @@ void write_line(const Json& line) {
     const std::string text = dump(line) + "\n";
     if (std::fwrite(text.data(), 1, text.size(), stdout) != text.size() ||
         std::fflush(stdout) != 0) {
-        throw ImportError(
-            fmt::format("the host took fewer than the {} bytes of a line of the "
-                        "answer",
-                        text.size()));
+        throw ImportError(fmt::format(
+            "the host took only a part of the {} bytes of a line of the answer", text.size()));
     }
 }
 

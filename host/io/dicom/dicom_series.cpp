@@ -143,7 +143,8 @@ void take_display(const Series& slices, Volume& volume) {
     });
     std::string reason = uptake.reason;
     if (reason.empty() && other != slices.end()) {
-        const DicomUptake found = other->uptake.value_or(DicomUptake{"", 0, "it is no PET"});
+        const DicomUptake found =
+            other->uptake.value_or(DicomUptake{"", 0, "it has no values of PET"});
         reason = fmt::format("slices differ: {}: {}; {}: a value of 1 {} is {:.6g} g/ml",
                              other->path.filename().string(),
                              !found.reason.empty() ? found.reason

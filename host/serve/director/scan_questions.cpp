@@ -55,9 +55,8 @@ std::vector<std::string> words_of(const Json& ask, const ScanQuestions::OpenScan
 std::string reason_of(const std::string& path, const ProgramEnd& end) {
     if (!end.is_in_time) {
         return fmt::format(
-            "{}: to read it took longer than {} s; open a smaller folder, or one of "
-            "its files",
-            path, scan_question_ms / 1000);
+            "{}: reading took longer than {} s; open a smaller folder, or one of its files", path,
+            scan_question_ms / 1000);
     }
     const std::string errors = end.errors.substr(0, end.errors.find('\n'));
     return end.code == 0    ? ""
