@@ -125,6 +125,9 @@ void add_calls_with_arguments(Filter& filter) {
     filter.add(SCMP_ACT_ERRNO(ENOSYS), SCMP_SYS(clone3));
     filter.allow(SCMP_SYS(tgkill), {is(0, own)});  // abort() and report_call().
     filter.add(SCMP_ACT_TRAP, SCMP_SYS(tgkill), {is_not(0, own)});
+    // A thread of ZeroMQ that starts sets the scheduling policy that it has, and aborts if that
+    // fails. It may start after the filter is in force. Nothing is changed, but the call succeeds.
+    filter.add(SCMP_ACT_ERRNO(0), SCMP_SYS(sched_setscheduler));
     // ZeroMQ aborts after another error. It looks again, until the process ends.
     for (const int call : {SCMP_SYS(accept), SCMP_SYS(accept4)}) {
         filter.add(SCMP_ACT_ERRNO(EAGAIN), call);

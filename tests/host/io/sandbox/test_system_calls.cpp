@@ -1,6 +1,8 @@
 // System calls of the sandbox of the io process, made by children that confine themselves.
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <sched.h>
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/ptrace.h>
@@ -130,6 +132,32 @@ TEST_SUITE("host/io/system_calls") {
             std::abort();
         });
         CHECK(aborted.signal == SIGABRT);
+    }
+
+    TEST_CASE("a thread of ZeroMQ can start, and the scheduling stays as it is") {
+        if (lacks_filters()) {
+            return;
+        }
+        const Ending started = end_of([]() -> long {
+            int failed = -1;
+            std::thread([&] {  // As zmq::thread_t::applySchedulingParameters().
+                int policy = 0;
+                sched_param parameters{};
+                failed = pthread_getschedparam(pthread_self(), &policy, &parameters);
+                failed += pthread_setschedparam(pthread_self(), policy, &parameters);
+            })
+                .join();
+            return failed == 0 ? 0 : -1;
+        });
+        CHECK(started.code == 0);
+        const Ending same = end_of([]() -> long {
+            const int policy = sched_getscheduler(0);
+            const sched_param parameters{};
+            const int other = policy == SCHED_BATCH ? SCHED_OTHER : SCHED_BATCH;
+            const int failed = sched_setscheduler(0, other, &parameters);
+            return failed == 0 && sched_getscheduler(0) == policy ? 0 : -1;
+        });
+        CHECK(same.code == 0);
     }
 
     TEST_CASE("a thread that ran before is filtered, too") {
