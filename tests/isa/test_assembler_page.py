@@ -2,12 +2,13 @@
 import pathlib
 import re
 import shlex
-import struct
 import subprocess
 import sys
 import tempfile
 import unittest
-import zlib
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from png_pixels import rows_of  # pylint: disable=wrong-import-position
 
 BIN = pathlib.Path(sys.argv[1]).resolve()
 PAGE = pathlib.Path(__file__).resolve().parents[2] / "isa" / "ASSEMBLER.md"
@@ -15,35 +16,6 @@ PAGE = pathlib.Path(__file__).resolve().parents[2] / "isa" / "ASSEMBLER.md"
 
 def blocks(kind):
     return re.findall(rf"^```{kind}\n(.*?)^```", PAGE.read_text(), re.S | re.M)
-
-
-def pixel(png, x, y):
-    """The red, green and blue of a pixel of an RGB or RGBA file of 8 bits."""
-    data, at, packed = png.read_bytes(), 8, b""
-    width, height, bits, kind = struct.unpack(">IIBB", data[16:26])
-    while at < len(data):
-        length, name = struct.unpack(">I4s", data[at:at + 8])
-        packed += data[at + 8:at + 8 + length] if name == b"IDAT" else b""
-        at += length + 12
-    step = {2: 3, 6: 4}[kind]
-    raw, above = zlib.decompress(packed), bytes(width * step)
-    assert bits == 8 and len(raw) == height * (1 + width * step)
-    for row in range(y + 1):
-        begin = row * (1 + width * step)
-        above = unfiltered(raw[begin], raw[begin + 1:begin + 1 + width * step], above, step)
-    return tuple(above[x * step:x * step + 3])
-
-
-def unfiltered(kind, line, above, step):
-    """One row of a PNG file; `above` is the row before."""
-    out = bytearray()
-    for i, byte in enumerate(line):
-        left = out[i - step] if i >= step else 0
-        corner = above[i - step] if i >= step else 0
-        guess = left + above[i] - corner
-        paeth = min((left, above[i], corner), key=lambda value: abs(guess - value))
-        out.append((byte + (0, left, above[i], (left + above[i]) // 2, paeth)[kind]) & 255)
-    return bytes(out)
 
 
 class Page(unittest.TestCase):
@@ -67,10 +39,11 @@ class Page(unittest.TestCase):
         lines = [line for block in blocks("sh") for line in block.splitlines()]
         output = {line: self.run_line(line) for line in lines}
         self.assertGreaterEqual(len(output), 5)
-        self.assertEqual(pixel(self.folder / "disc.png", 64, 64), (255, 0, 0))
-        self.assertEqual(pixel(self.folder / "disc.png", 3, 4), (0, 0, 255))
-        self.assertEqual(pixel(self.folder / "curtain.png", 95, 10), (0, 0, 0))
-        self.assertEqual(pixel(self.folder / "curtain.png", 96, 10), (255, 255, 0))
+        disc, curtain = (rows_of(self.folder / f"{name}.png") for name in ("disc", "curtain"))
+        self.assertEqual(disc[64][64], (255, 0, 0))
+        self.assertEqual(disc[4][3], (0, 0, 255))
+        self.assertEqual(curtain[10][95], (0, 0, 0))
+        self.assertEqual(curtain[10][96], (255, 255, 0))
         listing = output["pxpl5 dis disc.bin --numbered"]
         self.assertIn("QUADgeZERO :16  128 128 -5692 -1 0 -1", listing)
         # Pixels 60..67 are in bars 3 and 4: 108 and 144.
