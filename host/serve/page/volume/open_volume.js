@@ -1,4 +1,5 @@
-// Opens a volume: a path on the server's computer, dropped files, or a built-in volume.
+// Opens a volume: a path on the server's computer, dropped files, or a built-in volume. The
+// browser unpacks dropped ZIP archives.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 import {createFileBrowser} from './file_browser.js';
@@ -137,7 +138,8 @@ export function createOpenDialog(app) {
       wrong, series.root, browser.root, recent.root, options.root),
     h('p', {}, 'From this computer'),
     h('div', {class: 'drop row', 'data-testid': 'drop'},
-      h('span', {class: 'grow muted'}, 'Drop files or a DICOM folder anywhere on the page, or'),
+      h('span', {class: 'grow muted'}, 'Drop files, a DICOM folder or a ZIP archive anywhere on '
+        + 'the page, or'),
       h('button', {onclick: () => files.click()}, 'Choose files'),
       h('button', {onclick: () => folder.click()}, 'Choose a folder'), files, folder),
     h('p', {}, 'Built in'),

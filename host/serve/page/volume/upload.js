@@ -3,6 +3,7 @@ import {byId, h} from '../elements/dom.js';
 import {counted, grouped} from '../elements/numbers.js';
 import {address} from '../link/token.js';
 import {playSession, withVolume} from './session_file.js';
+import {isArchive, unzipped} from './unzip.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -26,7 +27,8 @@ export async function openFiles(app, files, load) {
     await openSession(app, files[0].file);
     return;
   }
-  const path = await upload(app, files);
+  const plain = await withoutArchives(app, files);
+  const path = plain && await upload(app, plain);
   if (path !== null && app.session.wanting) {
     await continueSession(app, path);
   } else if (path !== null) {
@@ -66,6 +68,58 @@ function play(app, session) {
 }
 
 /**
+ * The files, and instead of each ZIP archive the files in it.
+ * @param {App} app
+ * @param {Named[]} files
+ * @returns {Promise<Named[] | null>} null after an error, which is shown
+ */
+async function withoutArchives(app, files) {
+  /** @type {Named[]} */
+  const found = [];
+  for (const named of files) {
+    if (!isArchive(named.name)) {
+      found.push(named);
+      continue;
+    }
+    const work = showWork(`Unpacking ${named.file.name} …`, 'Progress of unpacking');
+    try {
+      found.push(...await unzipped(named.file, {files: MOST_FILES, bytes: MOST_BYTES},
+        work.stop.signal, work.show));
+    } catch (error) {
+      if (!work.stop.signal.aborted) {
+        app.toasts.error(/** @type {Error} */ (error).message);
+      }
+      return null;
+    } finally {
+      work.end();
+    }
+  }
+  return found;
+}
+
+/**
+ * Shows the progress of some work, with a button that cancels it.
+ * @param {string} text
+ * @param {string} label  Of the progress bar.
+ */
+function showWork(text, label) {
+  const stop = new AbortController();
+  const bar = h('progress', {max: 1, value: 0, 'aria-label': label});
+  const percent = h('span', {class: 'number muted'}, '0 %');
+  const box = h('div', {class: 'toast info upload', 'data-testid': 'uploading'}, h('p', {}, text),
+    percent, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
+  byId('toasts').append(box);
+  return {
+    stop,
+    show: (/** @type {number} */ share) => {
+      bar.value = share;
+      percent.textContent = `${Math.floor(bar.value * 100)} %`;
+    },
+    end: () => box.remove(),
+  };
+}
+
+/**
  * @param {App} app
  * @param {Named[]} files
  * @returns {Promise<string | null>} path on the server; null after an error, which is shown
@@ -83,14 +137,8 @@ async function upload(app, files) {
     return null;
   }
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
-  const stop = new AbortController();
-  const bar = h('progress', {max: total || 1, value: 0, 'aria-label': 'Upload progress'});
-  const share = h('span', {class: 'number muted'}, '0 %');
-  const box = h('div', {class: 'toast info upload', 'data-testid': 'uploading'},
-    h('p', {}, `Uploading ${files.length === 1 ? files[0].name
-      : counted(files.length, 'file')} …`),
-    share, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
-  byId('toasts').append(box);
+  const what = files.length === 1 ? files[0].name : counted(files.length, 'file');
+  const {stop, show, end} = showWork(`Uploading ${what} …`, 'Upload progress');
   /** @type {number[]} bytes sent of each request */
   const sent = [];
   const requests = requestsOf(files);
@@ -99,8 +147,7 @@ async function upload(app, files) {
       sent.push(0);
       await post(address('upload/files', {batch}), bodyOf(requests[n]), stop.signal, bytes => {
         sent[n] = bytes;
-        bar.value = sent.reduce((sum, each) => sum + each, 0);
-        share.textContent = `${Math.floor(bar.value / bar.max * 100)} %`;
+        show(sent.reduce((sum, each) => sum + each, 0) / (total || 1));
       });
     }
   };
@@ -115,7 +162,7 @@ async function upload(app, files) {
     }
     return null;
   } finally {
-    box.remove();
+    end();
   }
 }
 

@@ -1,0 +1,161 @@
+// ZIP archives that are dropped or chosen: they open as their folder does, and what is wrong with
+// one is said in a sentence and changes nothing.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { readFileSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import test from 'node:test';
+import { writeSeries } from '../dicom.js';
+import { byId, page, server, usePage } from '../harness.js';
+import { after, drop, errorsShown, state, stateWhen } from '../steps.js';
+import { writeEllipsoid } from '../volumes.js';
+
+const METHOD = { stored: 0, deflated: 8, bzip2: 12 };
+const END_BYTES = 22;        // Of the record that ends an archive.
+const ENCRYPTED_FLAG_AT = 8; // In an entry of the directory.
+
+usePage();
+
+const inFolder = name => path.join(server.folder, name);
+
+/** Writes an archive with Python's zipfile: pairs of a name and a file, or a text. */
+function writeArchive(name, members, method = METHOD.deflated) {
+  const program = 'import sys, json, zipfile\n'
+    + 'out, method, members = json.load(sys.stdin)\n'
+    + 'with zipfile.ZipFile(out, "w", method) as archive:\n'
+    + '    for name, file in members:\n'
+    + '        data = open(file, "rb").read() if file else b"junk"\n'
+    + '        archive.writestr(name, data, method)\n';
+  execFileSync('python3', ['-c', program],
+    { input: JSON.stringify([inFolder(name), method, members]) });
+  return inFolder(name);
+}
+
+/** Writes what `change` makes of an archive's bytes. */
+function writeChanged(name, archive, change) {
+  const bytes = readFileSync(archive);
+  writeFileSync(inFolder(name), change(bytes) ?? bytes);
+  return inFolder(name);
+}
+
+/** A scan of `side` slices, and as an archive with what macOS adds. */
+function writeScan(name, side) {
+  const files = writeSeries(inFolder(name), [{ description: 'Hip', side }]);
+  const members = files.map(file => [`Müller/hip\\${path.basename(file)}`, file]);
+  const added = [['__MACOSX/Müller/._0-0.dcm', ''], ['Müller/.DS_Store', '']];
+  return writeArchive(`${name}.zip`, [...members, ...added]);
+}
+
+const writeBall = () => writeEllipsoid(inFolder('ball.nrrd'), [16, 16, 16], [6, 6, 6]);
+
+/** Drops a file and returns the digest of the volume that it opens. */
+async function digestOf(file, source) {
+  const { digest } = await after(page, () => drop(page, [file]),
+    (now, wanted) => now.volume?.source.includes(wanted) && !now.busy, source);
+  return digest;
+}
+
+test('an archive of a DICOM folder opens as the folder does', async () => {
+  const archive = writeScan('hip', 10);
+  const plain = await digestOf(inFolder('hip'), 'hip');
+  const { volume } = await state(page);
+  await digestOf(writeArchive('ball.zip', [['ball.nrrd', writeBall()]]), 'ball.nrrd');
+  const unpacked = await digestOf(archive, 'hip');
+  assert.equal(unpacked, plain);
+  assert.deepEqual((await state(page)).volume.size, volume.size);
+  assert.deepEqual(await errorsShown(page), []);
+});
+
+test('stored files, several archives, and bytes before an archive', async () => {
+  const stored = writeArchive('stored.zip', [['a/ball.nrrd', writeBall()]], METHOD.stored);
+  const digest = await digestOf(stored, 'ball.nrrd');
+  const behind = writeChanged('behind.ZIP', stored, bytes =>
+    Buffer.concat([Buffer.from('#!/bin/sh\n'), bytes]));
+  await byId('open-panel').click();
+  await byId('phantom-torus').click();
+  await stateWhen(page, now => now.volume?.source === 'phantom:torus' && !now.busy);
+  await byId('open-panel').click();
+  const again = await after(page, () => byId('open-files').setInputFiles(behind),
+    now => now.volume?.source.includes('ball.nrrd') && !now.busy);
+  assert.equal(again.digest, digest);
+
+  const files = writeSeries(inFolder('knee'), [{ description: 'Knee', side: 9 }]);
+  const halves = [files.slice(0, 4), files.slice(4)].map((half, index) =>
+    writeArchive(`knee${index}.zip`, half.map(file => [path.basename(file), file])));
+  await drop(page, halves);
+  await stateWhen(page, now => now.volume?.size[2] === 9 && !now.busy);
+});
+
+test('what is wrong with an archive is said, and the volume stays', async () => {
+  const good = writeScan('wrong', 8);
+  const before = await state(page);
+  const directoryAt = bytes => bytes.readUInt32LE(bytes.length - END_BYTES + 16);
+  const cases = [
+    [writeChanged('cut.zip', good, bytes => bytes.subarray(0, 900)), /no ZIP archive, or its end/],
+    [writeChanged('bad.zip', good, bytes => { bytes[60] ^= 1; }), /bad\.zip is damaged at Müller/],
+    [writeChanged('directory.zip', good, bytes => { bytes[directoryAt(bytes)] ^= 1; }),
+     /directory\.zip is damaged: copy/],
+    [writeChanged('longer.zip', good, bytes => {
+      bytes.writeUInt32LE(9, directoryAt(bytes) + 24);  // The file has more than it says.
+    }), /longer\.zip is damaged at Müller/],
+    [writeChanged('locked.zip', good, bytes => {
+      bytes[directoryAt(bytes) + ENCRYPTED_FLAG_AT] |= 1;
+    }), /locked\.zip needs a password for Müller.*drop its folder/],
+    [writeChanged('wide.zip', good, bytes => {
+      bytes.writeUInt16LE(0xffff, bytes.length - END_BYTES + 10);
+    }), /wide\.zip is a ZIP64 archive/],
+    [writeArchive('other.zip', [['ball.nrrd', writeBall()]], METHOD.bzip2),
+     /ball\.nrrd is compressed by method 12; only Deflate/],
+    [writeArchive('empty.zip', []), /empty\.zip contains no file/],
+    [writeChanged('bomb.zip', good, bytes => {
+      bytes.writeUInt32LE(0xfffffffe, directoryAt(bytes) + 24);
+      const second = directoryAt(bytes) + 46 + bytes.readUInt16LE(directoryAt(bytes) + 28);
+      bytes.writeUInt32LE(0xfffffffe, second + 24);
+    }), /bomb\.zip has 8 files with 8,.* bytes; the limits are 100,000 files and 4,294,967,296/],
+  ];
+  for (const [file, sentence] of cases) {
+    await drop(page, [file]);
+    await page.getByTestId('toast-error').waitFor();
+    assert.match((await errorsShown(page)).join(' '), sentence);
+    await page.getByTestId('toast-error').getByRole('button').click();
+    await page.getByTestId('uploading').waitFor({ state: 'detached' });
+  }
+  const now = await state(page);
+  assert.deepEqual([now.volume.source, now.revision], [before.volume.source, before.revision]);
+});
+
+/** In the page: parts of files are unpacked once `release()` is called. */
+function holdUnpacking() {
+  const Original = globalThis.DecompressionStream;
+  const gate = new Promise(open => {
+    globalThis.release = () => {
+      globalThis.DecompressionStream = Original;
+      open();
+    };
+  });
+  globalThis.DecompressionStream = class {
+    constructor(format) {
+      const { writable, readable } = new Original(format);
+      const held = new TransformStream({ transform: async (part, controller) => {
+        await gate;
+        controller.enqueue(part);
+      } });
+      this.writable = writable;
+      this.readable = readable.pipeThrough(held);
+    }
+  };
+}
+
+test('unpacking can be canceled', async () => {
+  const archive = writeScan('canceled', 7);
+  const before = await state(page);
+  await page.evaluate(holdUnpacking);
+  await drop(page, [archive]);
+  const box = page.getByTestId('uploading');
+  await box.getByText('Unpacking canceled.zip').waitFor();
+  await box.getByRole('button', { name: 'Cancel' }).click();
+  await page.evaluate(() => globalThis.release());
+  await box.waitFor({ state: 'detached' });
+  assert.deepEqual(await errorsShown(page), []);
+  assert.equal((await state(page)).volume.source, before.volume.source);
+});
