@@ -161,8 +161,9 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
 }
 
 /// The same in one line, for formats with one text only.
+/// swept  The surface whose isovalue changes; null if none does.
 std::string describe_scene(const Session& session, const Camera& camera,
-                           const std::optional<SweptSurface>& swept = {}) {
+                           const SweptSurface* swept = nullptr) {
     const Scene& scene = session.scene;
     std::string text;
     if (const ArchiveFacts* archive = session.volumes.archive()) {
@@ -178,7 +179,7 @@ std::string describe_scene(const Session& session, const Camera& camera,
         text += "; stereo " + stereo;
     }
     for (const Surface& surface : drawn_surfaces(scene)) {
-        const bool is_swept = swept && swept->name == surface.name;
+        const bool is_swept = swept != nullptr && swept->name == surface.name;
         text += is_swept ? fmt::format("; surface {} isovalues {} to {}", surface.name,
                                        swept->first, swept->last)
                          : fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
@@ -220,7 +221,7 @@ PictureExtras picture_extras(const Session& session, const Camera& camera, EyesI
 
 PictureExtras animation_extras(const Session& session, const std::optional<SweptSurface>& swept) {
     const Scene& scene = session.scene;
-    PictureExtras extras{describe_scene(session, scene.camera, swept), {}, {}};
+    PictureExtras extras{describe_scene(session, scene.camera, swept ? &*swept : nullptr), {}, {}};
     if (scene.overlay) {
         Overlay overlay;
         overlay.camera = scene.camera;

@@ -28,8 +28,7 @@ struct SweptSurface {
 };
 
 /// The same for an animation: its marks hold from every side, and for all isovalues.
-PictureExtras animation_extras(const Session& session,
-                               const std::optional<SweptSurface>& swept = {});
+PictureExtras animation_extras(const Session& session, const std::optional<SweptSurface>& swept);
 
 /// The reply of `load` and `info` for an archive.
 Reply describe_archive(const ArchiveFacts& content);
