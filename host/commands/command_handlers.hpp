@@ -35,6 +35,7 @@ Reply run_tint(Session& session, const Arguments& arguments);
 Reply run_pick(Session& session, const Arguments& arguments);
 Reply run_histogram(Session& session, const Arguments& arguments);
 Reply run_slice(Session& session, const Arguments& arguments);
+Reply run_oblique(Session& session, const Arguments& arguments);
 Reply run_measure(Session& session, const Arguments& arguments);
 Reply run_why(Session& session, const Arguments& arguments);
 Reply run_atlas(Session& session, const Arguments& arguments);

@@ -18,6 +18,11 @@ constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj
 
 constexpr Parameter surface_word{"NAME", "NAME", "name of a surface"};
 
+constexpr Parameter window_option =
+    number_value("window", "W", 1e-12, 1e12, "width of the gray window");
+constexpr Parameter level_option =
+    number_value("level", "L", -1e12, 1e12, "center of the gray window");
+
 std::vector<Parameter> info_options() {
     std::vector<Parameter> options = load_option_list();
     options.push_back({"digest", "HEX", "refuse a volume whose voxels have another digest"});
@@ -59,6 +64,11 @@ std::vector<Command> volume_commands() {
           .help = "Counts the voxels in each range of values.",
           .words = {whole_value("BINS", "BINS", 1, max_histogram_bins, "number of ranges", "256")}},
          run_histogram},
+    };
+}
+
+std::vector<Command> slice_commands() {
+    return {
         {{.name = "slice",
           .help = "Reports the orientation of a slice perpendicular to a voxel axis; writes it to "
                   "FILE with the contours of visible surfaces.",
@@ -66,8 +76,7 @@ std::vector<Command> volume_commands() {
                     {"INDEX", "INDEX", "number of the slice, from 0"},
                     output_value("FILE", picture_suffixes, "picture to write")},
           .required = 2,
-          .options = {number_value("window", "W", 1e-12, 1e12, "width of the gray window"),
-                      number_value("level", "L", -1e12, 1e12, "center of the gray window"),
+          .options = {window_option, level_option,
                       number_value("slab", "MM", 0, max_place_mm,
                                    "show a slab of this thickness around the slice; its contours "
                                    "are those of the slice"),
@@ -76,6 +85,20 @@ std::vector<Command> volume_commands() {
                                    "max")},
           .stage = RenderStage::output},
          run_slice},
+        {{.name = "oblique",
+          .help = "Reports a slice along any plane; writes it to FILE with the contours of visible "
+                  "surfaces. Values are interpolated between voxels.",
+          .words = {number_value("TILT", "TILT", -max_angle_deg, max_angle_deg,
+                                 "turn from axial, 0, to coronal, 90", "deg"),
+                    number_value("TURN", "TURN", -max_angle_deg, max_angle_deg,
+                                 "with a tilt of 90: turn from coronal, 0, to sagittal, 90", "deg"),
+                    output_value("FILE", picture_suffixes, "picture to write")},
+          .required = 2,
+          .options = {{"at", "X,Y,Z", "place in the plane, mm LPS; by default the volume's middle"},
+                      window_option,
+                      level_option},
+          .stage = RenderStage::output},
+         run_oblique},
     };
 }
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <glm/geometric.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/matrix.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vec4.hpp>
 #include <limits>
 #include <span>
@@ -62,7 +64,41 @@ float value_at(std::span<const T> values, const Volume& volume,
     return static_cast<float>(share > 0 ? first + share * (along_y(high) - first) : first);
 }
 
+/// corner  Bit k: the end of axis k.
+glm::dvec3 corner_mm(const Volume& volume, unsigned corner) {
+    const glm::dvec4 grid(
+        (corner & 1U) != 0 ? volume.nx - 1 : 0, (corner & 2U) != 0 ? volume.ny - 1 : 0,
+        place_of_slice((corner & 4U) != 0 ? volume.nz - 1 : 0, volume.slice_places), 1);
+    return volume.voxel_to_patient * grid;
+}
+
 }  // namespace
+
+glm::dvec3 middle_mm(const Volume& volume) {
+    return (corner_mm(volume, 0) + corner_mm(volume, 7)) / 2.0;
+}
+
+ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
+                           const glm::dvec3& through_mm, double least_pixel_mm) {
+    const double tilt = glm::radians(angles.tilt_deg), turn = glm::radians(angles.turn_deg);
+    ObliquePlane plane;
+    // Anterior is on top. After a tilt, superior comes to the top.
+    plane.down = {0, std::cos(tilt), -std::sin(tilt)};
+    const glm::dvec3 untilted_right(1, 0, 0);
+    plane.right =
+        untilted_right * std::cos(turn) + glm::cross(untilted_right, plane.down) * std::sin(turn);
+    const glm::dvec3 middle = middle_mm(volume);
+    double length_mm = 0;
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        length_mm = std::max(length_mm, 2 * glm::distance(corner_mm(volume, corner), middle));
+    }
+    plane.pixel_mm = std::max(least_pixel_mm, length_mm / (max_oblique_px - 1));
+    plane.width = plane.height =
+        std::max(static_cast<int>(std::ceil(length_mm / plane.pixel_mm)) + 1, 2);
+    const glm::dvec3 normal = glm::cross(plane.right, plane.down);
+    plane.center_mm = middle + normal * glm::dot(normal, through_mm - middle);
+    return plane;
+}
 
 glm::dvec3 place_mm(const ObliquePlane& plane, double x, double y) {
     return plane.center_mm + plane.right * ((x - (plane.width - 1) / 2.0) * plane.pixel_mm) +

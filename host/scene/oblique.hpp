@@ -17,6 +17,26 @@ struct ObliquePlane {
     double pixel_mm = 1;                       ///< Distance between the middles of neighbors.
 };
 
+/// Turns from the axial plane. The tilt is about the axis from right to left: 90 is coronal. The
+/// turn is then about the axis from top to bottom of the picture: 90 after a tilt of 90 is
+/// sagittal.
+struct ObliqueAngles {
+    double tilt_deg = 0, turn_deg = 0;
+};
+
+/// Pixels along each side of oblique_plane(), at most.
+inline constexpr int max_oblique_px = 512;
+
+/// Returns the middle of the voxels' outermost middles, LPS.
+glm::dvec3 middle_mm(const Volume& volume);
+
+/// Returns the plane through a place that shows the whole volume. Its picture is a square around
+/// the middle of the volume, as long as the diagonal of the volume.
+///
+/// least_pixel_mm  Size of the pixels, unless they would be more than max_oblique_px.
+ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
+                           const glm::dvec3& through_mm, double least_pixel_mm);
+
 /// Returns the middle of pixel (x, y), counted from 0 at the top left.
 glm::dvec3 place_mm(const ObliquePlane& plane, double x, double y);
 

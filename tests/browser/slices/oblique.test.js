@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { byId, page, server, shoot, usePage } from '../harness.js';
+import { planeThrough } from '../../../host/serve/page/slices/oblique_plane.js';
 import { after, middleOf, rawSocket, say, settled, state } from '../steps.js';
 
 const NOTCH = 120;
@@ -97,4 +98,18 @@ test('the wheel moves the plane along its normal, angles turn it', async () => {
   await setAngle('turn', 30);
   assert.equal(await byId('oblique-turn-value').innerText(), '30°');
   await changed('slice-oblique', second);
+});
+
+test('the command oblique shows the same plane', async () => {
+  const raw = await rawSocket(page, server.url);
+  const { volume } = await state(page);
+  for (const [tilt, turn] of [[30, -20], [-75, 66], [0, 0]]) {
+    const { result } = await say(raw, `oblique ${tilt} ${turn} at=3,-8,5`);
+    const plane = planeThrough(volume, { tilt, turn }, [3, -8, 5]);
+    assert.deepEqual(result.size, [plane.width, plane.height]);
+    for (const [told, own] of [[result.center_mm, plane.center_mm], [result.right, plane.right],
+      [result.down, plane.down], [[result.pixel_mm], [plane.pixel_mm]]]) {
+      told.forEach((each, k) => assert.ok(Math.abs(each - own[k]) < 1e-9, `${told}, ${own}`));
+    }
+  }
 });

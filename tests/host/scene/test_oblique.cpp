@@ -97,6 +97,51 @@ TEST_SUITE("oblique") {
             CHECK(inside > 10'000);
         }
     }
+    TEST_CASE("angles of 0 and 90 degrees are the three planes as radiologists show them") {
+        const Volume volume = field_volume(tilted(), {});
+        struct Case {
+            ObliqueAngles angles;
+            glm::dvec3 right, down;
+        };
+        for (const Case& each :
+             {Case{{0, 0}, {1, 0, 0}, {0, 1, 0}}, Case{{90, 0}, {1, 0, 0}, {0, 0, -1}},
+              Case{{90, 90}, {0, 1, 0}, {0, 0, -1}}}) {
+            const ObliquePlane plane = oblique_plane(volume, each.angles, {0, 0, 0}, 1);
+            CHECK(glm::distance(plane.right, each.right) < 1e-12);
+            CHECK(glm::distance(plane.down, each.down) < 1e-12);
+        }
+    }
+    TEST_CASE("a plane goes through its place, and its picture shows the whole volume") {
+        std::mt19937 random(test::seed_or<std::uint32_t>(11));
+        std::uniform_real_distribution<double> angle(-180, 180), any(-20, 20);
+        for (const std::vector<double>& places :
+             {std::vector<double>{}, std::vector<double>{1, 2, 3, 3.5, 5, 7, 7.5, 8}}) {
+            const Volume volume = field_volume(tilted(), places);
+            for (int each = 0; each < 50; ++each) {
+                const glm::dvec3 through =
+                    middle_mm(volume) + glm::dvec3(any(random), any(random), any(random));
+                const double least_mm = each % 2 == 0 ? 0.4 : 1e-3;
+                const ObliquePlane plane =
+                    oblique_plane(volume, {angle(random), angle(random)}, through, least_mm);
+                const glm::dvec3 normal = glm::cross(plane.right, plane.down);
+                REQUIRE(glm::length(normal) == doctest::Approx(1));
+                REQUIRE(std::abs(glm::dot(normal, through - plane.center_mm)) < 1e-9);
+                REQUIRE(plane.width == plane.height);
+                REQUIRE(plane.width <= max_oblique_px + 1);
+                REQUIRE((plane.pixel_mm == least_mm) == (each % 2 == 0));
+                for (unsigned corner = 0; corner < 8; ++corner) {
+                    const double z = (corner & 4U) != 0 ? 7 : 0;
+                    const glm::dvec4 grid((corner & 1U) != 0 ? 11 : 0, (corner & 2U) != 0 ? 9 : 0,
+                                          place_of_slice(z, places), 1);
+                    const glm::dvec3 p =
+                        glm::dvec3(volume.voxel_to_patient * grid) - plane.center_mm;
+                    const double half = plane.width * plane.pixel_mm / 2;
+                    REQUIRE(std::abs(glm::dot(p, plane.right)) <= half);
+                    REQUIRE(std::abs(glm::dot(p, plane.down)) <= half);
+                }
+            }
+        }
+    }
     TEST_CASE("a plane on a slice has the values of its voxels, and its letters") {
         const Volume sphere = make_phantom("phantom:sphere");
         const Slice slice = slice_of(sphere, 2, 20);

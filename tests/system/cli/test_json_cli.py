@@ -25,7 +25,8 @@ LIMIT_S = 120
 SPHERE = "load phantom:sphere; surface s iso=0.5; size 64x64"
 # One line for each command of the table; {} is the test's folder.
 LINES = f"""{SPHERE}; info; info phantom:letters crop=10:29,0:19,5:24; atlas steps=4; histogram 4
-slice z 3 slab=4 kind=mean; slice z 3 {{}}/slice.png; presets; components s
+slice z 3 slab=4 kind=mean; slice z 3 {{}}/slice.png; oblique 30 10 {{}}/o.png; presets
+components s
 components s show=largest; certificate; compare s; compare s off; export {{}}/s.stl keep=0.5
 view 20 30 pan=1,2; light 1 20 30; light; clip L; clip off; material power=20; background red
 tint gaps; antialias 1; detail auto
