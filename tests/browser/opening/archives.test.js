@@ -11,8 +11,8 @@ import { after, drop, errorsShown, state, stateWhen } from '../steps.js';
 import { writeEllipsoid } from '../volumes.js';
 
 const METHOD = { stored: 0, deflated: 8, bzip2: 12 };
-const END_BYTES = 22;        // Of the record that ends an archive.
-const ENCRYPTED_FLAG_AT = 8; // In an entry of the directory.
+const END_BYTES = 22;  // Of the record that ends an archive.
+const ENCRYPTED_FLAG_AT = 8, CRC_AT = 16;  // In an entry of the directory.
 
 usePage();
 
@@ -60,7 +60,7 @@ test('an archive of a DICOM folder opens as the folder does', async () => {
   const plain = await digestOf(inFolder('hip'), 'hip');
   const { volume } = await state(page);
   await digestOf(writeArchive('ball.zip', [['ball.nrrd', writeBall()]]), 'ball.nrrd');
-  const unpacked = await digestOf(archive, 'hip');
+  const unpacked = await digestOf(archive, 'hip/Müller/hip');
   assert.equal(unpacked, plain);
   assert.deepEqual((await state(page)).volume.size, volume.size);
   assert.deepEqual(await errorsShown(page), []);
@@ -95,6 +95,8 @@ test('what is wrong with an archive is said, and the volume stays', async () => 
     [writeChanged('bad.zip', good, bytes => { bytes[60] ^= 1; }), /bad\.zip is damaged at Müller/],
     [writeChanged('directory.zip', good, bytes => { bytes[directoryAt(bytes)] ^= 1; }),
      /directory\.zip is damaged: copy/],
+    [writeChanged('sum.zip', good, bytes => { bytes[directoryAt(bytes) + CRC_AT] ^= 1; }),
+     /sum\.zip is damaged at Müller/],
     [writeChanged('longer.zip', good, bytes => {
       bytes.writeUInt32LE(9, directoryAt(bytes) + 24);  // The file has more than it says.
     }), /longer\.zip is damaged at Müller/],
@@ -147,7 +149,7 @@ function holdUnpacking() {
 }
 
 test('unpacking can be canceled', async () => {
-  const archive = writeScan('canceled', 7);
+  const archive = writeArchive('canceled.zip', [['one/ball.nrrd', writeBall()]]);
   const before = await state(page);
   await page.evaluate(holdUnpacking);
   await drop(page, [archive]);
