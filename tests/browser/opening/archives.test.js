@@ -151,6 +151,8 @@ function holdUnpacking() {
 test('unpacking can be canceled', async () => {
   const archive = writeArchive('canceled.zip', [['one/ball.nrrd', writeBall()]]);
   const before = await state(page);
+  const uploads = [];
+  page.on('request', request => request.url().includes('/upload/') && uploads.push(request.url()));
   await page.evaluate(holdUnpacking);
   await drop(page, [archive]);
   const box = page.getByTestId('uploading');
@@ -158,6 +160,9 @@ test('unpacking can be canceled', async () => {
   await box.getByRole('button', { name: 'Cancel' }).click();
   await page.evaluate(() => globalThis.release());
   await box.waitFor({ state: 'detached' });
+  await page.evaluate(() => new Promise(drawn =>
+    requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  assert.deepEqual(uploads, []);
   assert.deepEqual(await errorsShown(page), []);
   assert.equal((await state(page)).volume.source, before.volume.source);
 });

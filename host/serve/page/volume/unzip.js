@@ -179,8 +179,12 @@ async function unpackedFile(archive, entry, signal) {
   const parts = [], reader = plain.getReader();
   let bytes = 0, crc = 0;
   try {
-    for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    for (;;) {
+      const part = await reader.read();
       signal.throwIfAborted();
+      if (part.done) {
+        break;
+      }
       bytes += part.value.length;
       if (bytes > entry.bytes) {
         break;  // Not what its directory says: it may have no end.
