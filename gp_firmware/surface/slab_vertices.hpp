@@ -163,8 +163,9 @@ class SlabVertices {
         const std::size_t step = axis == 0 ? 1 : axis == 1 ? nx : 0;  // Within the slice.
         const T* values_0 = values_[lower] + voxel;
         const T* values_1 = values_[upper] + voxel + step;
-        const std::byte* needed_0 = needed_[lower] + voxel * needed_bytes_;
-        const std::byte* needed_1 = needed_[upper] + (voxel + step) * needed_bytes_;
+        const std::size_t needed_bytes = needed_bytes_;  // The compiler would load it again.
+        const std::byte* needed_0 = needed_[lower] + voxel * needed_bytes;
+        const std::byte* needed_1 = needed_[upper] + (voxel + step) * needed_bytes;
         const std::uint32_t row_and_kind =
             static_cast<std::uint32_t>(row.y) << edge_kind_bits | row.kind;
         const std::uint64_t first_key =
@@ -186,8 +187,8 @@ class SlabVertices {
                 batch_.value_1[i] = static_cast<float>(values_1[x]);
                 batch_.x[i] = static_cast<std::uint32_t>(x);
                 batch_.row_and_kind[i] = row_and_kind;
-                __builtin_prefetch(needed_0 + x * needed_bytes_);
-                __builtin_prefetch(needed_1 + x * needed_bytes_);
+                __builtin_prefetch(needed_0 + x * needed_bytes);
+                __builtin_prefetch(needed_1 + x * needed_bytes);
                 slots[slots_per_voxel * x] = vertex;
                 keys[vertex] = first_key + 4 * x;
             }
