@@ -6,7 +6,7 @@ import { readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 import { writeSeries } from '../dicom.js';
-import { byId, page, server, usePage } from '../harness.js';
+import { browser, byId, openPage, page, server, usePage } from '../harness.js';
 import { after, drop, errorsShown, state, stateWhen } from '../steps.js';
 import { writeEllipsoid } from '../volumes.js';
 
@@ -165,4 +165,25 @@ test('unpacking can be canceled', async () => {
   assert.deepEqual(uploads, []);
   assert.deepEqual(await errorsShown(page), []);
   assert.equal((await state(page)).volume.source, before.volume.source);
+});
+
+test('an archive inside of a folder stays as it is', async () => {
+  const before = await state(page);
+  writeSeries(inFolder('with'), [{ description: 'Hip', side: 6 }]);
+  writeFileSync(path.join(inFolder('with'), 'extra.zip'), 'no archive');
+  await drop(page, [inFolder('with')]);
+  await stateWhen(page, now => now.volume?.size[2] === 6 && !now.busy);
+  assert.notEqual((await state(page)).volume.source, before.volume.source);
+  assert.deepEqual(await errorsShown(page), []);
+});
+
+test('a page that only watches unpacks nothing', async () => {
+  const watcher = await openPage(browser, server.watchUrl);
+  await drop(watcher.page, [writeChanged('seen.zip', writeScan('seen', 5), bytes =>
+    bytes.subarray(0, 100))]);
+  await watcher.page.evaluate(() => new Promise(drawn =>
+    requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  assert.equal(await watcher.page.getByTestId('uploading').count(), 0);
+  assert.deepEqual(await errorsShown(watcher.page), []);
+  await watcher.close();
 });

@@ -1,5 +1,5 @@
-// Files of a ZIP archive, unpacked in the browser. The layout is that of PKWARE's APPNOTE.TXT
-// 6.3.10: the directory at the end tells where each file begins.
+// Unpacks the files of a ZIP archive in the browser. The layout is that of PKWARE's APPNOTE.TXT
+// 6.3.10: a directory at the end says where each file begins.
 import {grouped} from '../elements/numbers.js';
 
 /** @typedef {import('./upload.js').Named} Named */
@@ -21,11 +21,16 @@ const END = {signature: 0x06054b50, bytes: 22};
 const ENTRY = {signature: 0x02014b50, bytes: 46};
 const LOCAL = {signature: 0x04034b50, bytes: 30};
 const MOST_COMMENT_BYTES = 0xffff;
-const IN_ZIP64 = [0xffff, 0xffffffff];  // The number stands in a part that is not read here.
+const LOCATOR_64 = {signature: 0x07064b50, bytes: 20};  // Before the end of a ZIP64 archive.
+const COUNT_IN_ZIP64 = 0xffff, IN_ZIP64 = 0xffffffff;   // ZIP64 has such a number elsewhere.
 const METHOD = {stored: 0, deflated: 8};
 const FLAG = {encrypted: 1, utf8: 0x800};
+const PART_BYTES = 16 * 2 ** 20;  // A blob may be on the disk, an array is in memory.
+/** The characters 128 to 255 of names that are not UTF-8 (code page 437, APPNOTE.TXT D.1). */
+const CODE_PAGE_437 = 'ÇüéâäàåçêëèïîìÄÅÉæÆôöòûùÿÖÜ¢£¥₧ƒáíóúñÑªº¿⌐¬½¼¡«»░▒▓│┤╡╢╖╕╣║╗╝╜╛┐'
+  + '└┴┬├─┼╞╟╚╔╩╦╠═╬╧╨╤╥╙╘╒╓╫╪┘┌█▄▌▐▀αßΓπΣσµτΦΘΩδ∞φε∩≡±≥≤⌠⌡÷≈°∙·√ⁿ²■\u00a0';
 const REMEDY = 'Unpack it first, and drop its folder.';
-/** What macOS and Windows put beside files. */
+/** Files of macOS and Windows that belong to no scan. */
 const ADDED = /(^|\/)(__MACOSX\/|\.DS_Store$|Thumbs\.db$|desktop\.ini$)/;
 
 /** @param {string} name */
@@ -58,12 +63,14 @@ export async function unzipped(archive, most, signal, progress) {
   const folder = archive.name.replace(/\.zip$/i, '');
   const found = [];
   let done = 0;
+  const count = (/** @type {number} */ bytes) => {
+    done += bytes;
+    progress(done / Math.max(total, 1));
+  };
   for (const entry of entries) {
     signal.throwIfAborted();
-    const file = await unpackedFile(archive, entry, signal);
+    const file = await unpackedFile(archive, entry, signal, count);
     found.push({file, name: `${folder}/${entry.name}`});
-    done += entry.bytes;
-    progress(done / Math.max(total, 1));
   }
   return found;
 }
@@ -83,9 +90,10 @@ async function entriesOf(archive) {
   }
   const count = tail.getUint16(end + 10, true);
   const [size, offset] = [12, 16].map(byte => tail.getUint32(end + byte, true));
-  if ([count, size, offset].some(each => IN_ZIP64.includes(each))) {
-    throw new Error(`${archive.name} is a ZIP64 archive, with 65,535 files or 4 GiB or more. `
-      + REMEDY);
+  const locator = end - LOCATOR_64.bytes;
+  if (count === COUNT_IN_ZIP64 || size === IN_ZIP64 || offset === IN_ZIP64
+    || (locator >= 0 && tail.getUint32(locator, true) === LOCATOR_64.signature)) {
+    throw isZip64(archive);
   }
   // Another file may stand before the archive, for example a program that unpacks it.
   const directoryAt = tailAt + end - size, before = directoryAt - offset;
@@ -93,15 +101,20 @@ async function entriesOf(archive) {
     throw damaged(archive);
   }
   const view = await viewOf(archive, directoryAt, directoryAt + size);
-  const entries = [];
+  /** @type {Map<string, Entry>} */
+  const entries = new Map();
   for (let k = 0, at = 0; k < count; ++k) {
     const {entry, bytes} = entryAt(archive, view, at);
     at += bytes;
-    if (!entry.name.endsWith('/') && !ADDED.test(entry.name)) {
-      entries.push({...entry, at: entry.at + before});
+    if (entry.name.endsWith('/') || ADDED.test(entry.name)) {
+      continue;
     }
+    if (entries.has(entry.name)) {
+      throw new Error(`${archive.name} has two files with the name ${entry.name}. ${REMEDY}`);
+    }
+    entries.set(entry.name, {...entry, at: entry.at + before});
   }
-  return entries;
+  return [...entries.values()];
 }
 
 /**
@@ -136,6 +149,9 @@ function entryAt(archive, view, at) {
   }
   const name = new Uint8Array(view.buffer, view.byteOffset + at + ENTRY.bytes, nameBytes);
   const flags = short(8);
+  if ([20, 24, 42].some(byte => long(byte) === IN_ZIP64)) {
+    throw isZip64(archive);
+  }
   return {bytes, entry: {name: textOf(name, (flags & FLAG.utf8) !== 0).replaceAll('\\', '/'),
     isEncrypted: (flags & FLAG.encrypted) !== 0, method: short(10), crc: long(16),
     packedBytes: long(20), bytes: long(24), at: long(42)}};
@@ -143,13 +159,14 @@ function entryAt(archive, view, at) {
 
 /**
  * @param {Uint8Array} bytes
- * @param {boolean} isUtf8  As the archive says. Many programs write UTF-8 and do not say so.
+ * @param {boolean} isUtf8  Whether the archive says so. Many programs write UTF-8 without a flag.
  */
 function textOf(bytes, isUtf8) {
   try {
     return new TextDecoder('utf-8', {fatal: !isUtf8}).decode(bytes);
   } catch {
-    return new TextDecoder('windows-1252').decode(bytes);
+    return Array.from(bytes, byte =>
+      byte < 0x80 ? String.fromCharCode(byte) : CODE_PAGE_437[byte - 0x80]).join('');
   }
 }
 
@@ -157,16 +174,17 @@ function textOf(bytes, isUtf8) {
  * @param {File} archive
  * @param {Entry} entry
  * @param {AbortSignal} signal
+ * @param {(bytes: number) => void} count  Called with the number of bytes of each unpacked part.
  * @returns {Promise<File>}
  */
-async function unpackedFile(archive, entry, signal) {
+async function unpackedFile(archive, entry, signal, count) {
   const {name, method} = entry;
   if (entry.isEncrypted) {
     throw new Error(`${archive.name} needs a password for ${name}. ${REMEDY}`);
   }
   if (method !== METHOD.stored && method !== METHOD.deflated) {
-    throw new Error(`${archive.name}: ${name} is compressed by method ${method}; only Deflate can `
-      + `be unpacked here. ${REMEDY}`);
+    throw new Error(`${archive.name}: ${name} is compressed by method ${method}; only Deflate and `
+      + `stored files can be read here. ${REMEDY}`);
   }
   const head = await viewOf(archive, entry.at, entry.at + LOCAL.bytes);
   if (head.byteLength < LOCAL.bytes || head.getUint32(0, true) !== LOCAL.signature) {
@@ -176,8 +194,10 @@ async function unpackedFile(archive, entry, signal) {
   const packed = archive.slice(begin, begin + entry.packedBytes).stream();
   const plain = method === METHOD.stored
     ? packed : packed.pipeThrough(new DecompressionStream('deflate-raw'));
-  const parts = [], reader = plain.getReader();
-  let bytes = 0, crc = 0;
+  /** @type {BlobPart[]} */
+  let parts = [];
+  const reader = plain.getReader();
+  let bytes = 0, crc = 0, sinceBlob = 0;
   try {
     for (;;) {
       const part = await reader.read();
@@ -187,20 +207,32 @@ async function unpackedFile(archive, entry, signal) {
       }
       bytes += part.value.length;
       if (bytes > entry.bytes) {
-        break;  // Not what its directory says: it may have no end.
+        break;  // It is longer than its directory says, and may have no end.
       }
       crc = crcOf(part.value, crc);
       parts.push(part.value);
+      sinceBlob += part.value.length;
+      if (sinceBlob > PART_BYTES) {
+        parts = [new Blob(parts)];
+        sinceBlob = 0;
+      }
+      count(part.value.length);
     }
   } catch (error) {
-    throw signal.aborted ? error : damaged(archive, name);
+    throw error instanceof TypeError ? damaged(archive, name) : error;  // Of the decompressor.
   } finally {
-    void reader.cancel().catch(() => {});  // It has failed, or has reached its end.
+    void reader.cancel().catch(() => {});
   }
   if (bytes !== entry.bytes || crc !== entry.crc) {
     throw damaged(archive, name);
   }
   return new File(parts, name.replace(/^.*\//, ''));
+}
+
+/** @param {File} archive */
+function isZip64(archive) {
+  return new Error(`${archive.name} is a ZIP64 archive: it has, or leaves room for, 65,535 files `
+    + `or 4 GiB. ${REMEDY}`);
 }
 
 /**

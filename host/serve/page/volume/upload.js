@@ -23,17 +23,26 @@ export const SESSION_ENDING = '.pxpl5';
  * @param {(path: string) => void} load  Opens a volume on the server.
  */
 export async function openFiles(app, files, load) {
+  const {wanting} = app.session;
+  if (!canUpload(app)) {
+    return;
+  }
   if (files.length === 1 && files[0].name.endsWith(SESSION_ENDING)) {
     await openSession(app, files[0].file);
     return;
   }
   const plain = await withoutArchives(app, files);
   const path = plain && await upload(app, plain);
-  if (path !== null && app.session.wanting) {
+  if (path !== null && wanting && app.session.wanting === wanting) {
     await continueSession(app, path);
   } else if (path !== null) {
     load(path);
   }
+}
+
+/** @param {App} app */
+function canUpload({connection: {hello, watches}}) {
+  return hello !== null && !watches;
 }
 
 /**
@@ -68,26 +77,26 @@ function play(app, session) {
 }
 
 /**
- * The files, and instead of each ZIP archive the files in it.
+ * The files, and instead of each ZIP archive the files in it. An archive inside of a folder stays
+ * as it is.
  * @param {App} app
  * @param {Named[]} files
  * @returns {Promise<Named[] | null>} null after an error, which is shown
  */
 async function withoutArchives(app, files) {
-  /** @type {Named[]} */
-  const found = [];
-  for (const named of files) {
-    if (!isArchive(named.name)) {
-      found.push(named);
-      continue;
-    }
+  const isDropped = (/** @type {Named} */ {name}) => isArchive(name) && !name.includes('/');
+  const found = files.filter(named => !isDropped(named));
+  for (const named of files.filter(isDropped)) {
+    const most = {files: MOST_FILES - found.length, bytes: MOST_BYTES - bytesOf(found)};
     const work = showWork(`Unpacking ${named.file.name} …`, 'Progress of unpacking');
     try {
-      found.push(...await unzipped(named.file, {files: MOST_FILES, bytes: MOST_BYTES},
-        work.stop.signal, work.show));
+      found.push(...await unzipped(named.file, most, work.stop.signal, work.show));
     } catch (error) {
-      if (!work.stop.signal.aborted) {
-        app.toasts.error(/** @type {Error} */ (error).message);
+      const {message} = /** @type {Error} */ (error), {wanting} = app.session;
+      if (!work.stop.signal.aborted && wanting) {
+        app.session.ask(wanting, message);
+      } else if (!work.stop.signal.aborted) {
+        app.toasts.error(message);
       }
       return null;
     } finally {
@@ -100,7 +109,7 @@ async function withoutArchives(app, files) {
 /**
  * Shows the progress of some work, with a button that cancels it.
  * @param {string} text
- * @param {string} label  Of the progress bar.
+ * @param {string} label  Name of the progress bar.
  */
 function showWork(text, label) {
   const stop = new AbortController();
@@ -125,11 +134,10 @@ function showWork(text, label) {
  * @returns {Promise<string | null>} path on the server; null after an error, which is shown
  */
 async function upload(app, files) {
-  const {hello, watches} = app.connection;
-  if (files.length === 0 || !hello || watches) {
+  if (files.length === 0 || !canUpload(app)) {
     return null;
   }
-  const total = files.reduce((sum, {file}) => sum + file.size, 0);
+  const total = bytesOf(files);
   if (files.length > MOST_FILES || total > MOST_BYTES) {
     app.toasts.error(`Cannot upload ${grouped(files.length)} files with `
       + `${grouped(total)} bytes: the limits are ${grouped(MOST_FILES)} `
@@ -164,6 +172,11 @@ async function upload(app, files) {
   } finally {
     end();
   }
+}
+
+/** @param {Named[]} files */
+function bytesOf(files) {
+  return files.reduce((sum, {file}) => sum + file.size, 0);
 }
 
 /**
