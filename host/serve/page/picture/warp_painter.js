@@ -3,7 +3,7 @@ import {Anaglyph} from './anaglyph.js';
 import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
 import {calmBuckets, canShowBlocks, meshOf, SEAM_COLUMNS, seamTexels} from './warp_mesh.js';
 import {FRAGMENT, MOST_STRETCH, PLAIN_FRAGMENT, programOf, VERTEX} from './warp_program.js';
-import {WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf} from './warp_walls.js';
+import {WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf, wallTriangles} from './warp_walls.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 /** @typedef {import('./warp_mesh.js').Mesh} Mesh */
@@ -77,6 +77,8 @@ export class WarpPainter {
     this.size_ = {width: 0, height: 0};
     /** @private Red, green, blue: 0 to 1. */
     this.background_ = [0, 0, 0];
+    /** @private Of walls. */
+    this.wallTriangles_ = {buffer: gl.createBuffer(), count: 0};
     /** @private Made when it is first used. @type {Anaglyph | null} */
     this.anaglyph_ = null;
     /** @private A pixel with depth, made when it is first used. @type {WebGLFramebuffer | null} */
@@ -318,8 +320,8 @@ export class WarpPainter {
     gl.uniform1i(this.surfaces_.places.hatches, 1);
     gl.drawElements(gl.TRIANGLES, end - begin, gl.UNSIGNED_INT, 4 * begin);
     const {program, places} = this.walls_;
-    gl.disable(gl.CULL_FACE);
     gl.useProgram(program);
+    this.bindWallTriangles_(wallCount);
     this.bind_(WALLS, walls);
     gl.uniform1i(places.walls, WALLS);
     gl.uniform2i(places.size, this.size_.width, this.size_.height);
@@ -328,10 +330,19 @@ export class WarpPainter {
     gl.uniform3fv(places.background, this.background_);
     gl.uniform2iv(places.rows, rows);
     gl.uniformMatrix4fv(places.warp, false, matrix);
-    gl.drawArrays(gl.TRIANGLES, 0, 6 * wallCount);
-    gl.enable(gl.CULL_FACE);
+    gl.drawElements(gl.TRIANGLES, 6 * wallCount, gl.UNSIGNED_INT, 0);
     gl.depthMask(true);
     gl.depthFunc(gl.LESS);
+  }
+
+  /** The same for all pictures, so it only grows. @private @param {number} count */
+  bindWallTriangles_(count) {
+    const {gl, wallTriangles_: triangles} = this;
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, triangles.buffer);
+    if (triangles.count < count) {
+      triangles.count = 2 ** Math.ceil(Math.log2(count));
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, wallTriangles(triangles.count), gl.STATIC_DRAW);
+    }
   }
 
   /**

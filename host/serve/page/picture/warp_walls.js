@@ -7,7 +7,7 @@ import {CELL_PX, cornerOf, FULL, maskRowBytes, MAX_LEAN} from './lean_depths.js'
 
 export const WALL_COLUMNS = 1024;   // Texels per row of the texture of walls.
 const LEAST_STEP = 12;              // Depths of one surface differ less between two pixels.
-const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8;  // Bits of a wall.
+const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8, TURNED = 16;  // Bits of a wall.
 
 /**
  * A wall stands on the edge between two pixels, along the line of sight.
@@ -20,6 +20,9 @@ const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8;  // Bits of a wall.
  *
  * If a surface leaves the picture, there are also long walls around the picture, which reach
  * outwards in the middle of the depths.
+ *
+ * A wall is seen from one side only: there, what was hidden has opened. Seen from the other side,
+ * the near surface has moved over it.
  *
  * @param {LeanDepths} lean
  * @param {Uint8Array} covered  Of cells.
@@ -35,9 +38,12 @@ export function wallsOf(lean, covered, width, height) {
   /** @type {number[]} */
   const walls = [];
   let leavesPicture = false;
+  // isAfter: the near surface, or the picture, is to the right of the edge, or below it.
   const add = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ bits,
-    /** @type {number} */ front, /** @type {number} */ back) => {
-    walls.push((x | y << 13 | bits << 26) >>> 0, (front | back << 16) >>> 0);
+    /** @type {number} */ front, /** @type {number} */ back, /** @type {boolean} */ isAfter) => {
+    const isTurned = isAfter !== ((bits & ACROSS) !== 0);
+    walls.push((x | y << 13 | (isTurned ? bits | TURNED : bits) << 26) >>> 0,
+      (front | back << 16) >>> 0);
   };
   // The edge that begins at (x, y), between a pixel that is inside of the picture and another.
   const meet = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ bits,
@@ -49,9 +55,10 @@ export function wallsOf(lean, covered, width, height) {
     }
     const atX = bits === ACROSS ? x + 0.5 : x, atY = bits === ACROSS ? y : y + 0.5;
     const depth = surfaces.depthOf(pixelX, pixelY, atX, atY);
+    const isPixelAfter = pixelX > otherX || pixelY > otherY;
     if (isOutside) {
       if (depth > 0) {
-        add(x, y, bits | BEYOND, depth, depth);
+        add(x, y, bits | BEYOND, depth, depth, isPixelAfter);
         leavesPicture = true;
       }
       return;
@@ -59,10 +66,11 @@ export function wallsOf(lean, covered, width, height) {
     const other = surfaces.depthOf(otherX, otherY, atX, atY);
     if (depth > 0 && other > 0) {
       if (Math.abs(depth - other) >= LEAST_STEP) {
-        add(x, y, bits, Math.min(depth, other), Math.max(depth, other));
+        add(x, y, bits, Math.min(depth, other), Math.max(depth, other),
+          isPixelAfter === depth < other);
       }
     } else if (depth > 0 || other > 0) {
-      add(x, y, bits | OPEN, Math.max(depth, other), 0);
+      add(x, y, bits | OPEN, Math.max(depth, other), 0, isPixelAfter === depth > 0);
     }
   };
   for (let row = 0, cell = 0; row + 1 < rows; ++row) {
@@ -95,7 +103,7 @@ export function wallsOf(lean, covered, width, height) {
   if (leavesPicture) {
     const middle = MAX_LEAN + 1 >> 1;
     for (const [x, y, bits] of [[0, 0, 0], [width, 0, 0], [0, 0, ACROSS], [0, height, ACROSS]]) {
-      add(x, y, bits | BEYOND | LONG, middle, middle);
+      add(x, y, bits | BEYOND | LONG, middle, middle, x === 0 && y === 0);
     }
   }
   const count = walls.length / 2, textureRows = Math.max(1, Math.ceil(count / WALL_COLUMNS));
@@ -188,6 +196,19 @@ function edgeCells({columns, rows}, covered, surfaces) {
   return isEdge;
 }
 
+/**
+ * The corners of the triangles of walls: 0 1 2 and 3 2 1 of each wall's four, the first two in
+ * front. They are counterclockwise where a wall is seen.
+ * @param {number} count  Of walls.
+ */
+export function wallTriangles(count) {
+  const corners = new Uint32Array(6 * count);
+  for (let wall = 0; wall < count; ++wall) {
+    [0, 1, 2, 3, 2, 1].forEach((corner, k) => { corners[6 * wall + k] = 4 * wall + corner; });
+  }
+  return corners;
+}
+
 // A wall is drawn at the far plane: only where no surface is. The opened depth is in clip space.
 export const WALL_VERTEX = `#version 300 es
 precision highp float;
@@ -201,18 +222,18 @@ float clip_depth(uint lean) {
   return (float(lean) - 0.5) / ${MAX_LEAN}.0 * 2.0 - 1.0;
 }
 void main() {
-  int wall = gl_VertexID / 6, corner = gl_VertexID % 6;
-  corner = corner < 3 ? corner : 6 - corner;  // Triangles of the corners 0 1 2 and 3 2 1.
+  int wall = gl_VertexID / 4, corner = gl_VertexID % 4;
   uvec2 texel = texelFetch(walls, ivec2(wall % ${WALL_COLUMNS}, wall / ${WALL_COLUMNS}), 0).rg;
   uint bits = texel.r >> 26;
   vec2 at = vec2(texel.r & 0x1fffu, texel.r >> 13 & 0x1fffu), full = vec2(size);
   bool is_across = (bits & ${ACROSS}u) != 0u, is_back = corner >= 2;
+  bool is_end = ((corner & 1) == 1) != ((bits & ${TURNED}u) != 0u);
   vec2 outwards = is_across ? vec2(0.0, at.y > 0.0 ? full.y : -full.y)
                             : vec2(at.x > 0.0 ? full.x : -full.x, 0.0);
   if ((bits & ${LONG}u) != 0u) {
     vec2 along = vec2(is_across ? full.x : 0.0, is_across ? 0.0 : full.y);
-    at += (corner & 1) == 1 ? 2.0 * along : -along;
-  } else if ((corner & 1) == 1) {
+    at += is_end ? 2.0 * along : -along;
+  } else if (is_end) {
     at += is_across ? vec2(1.0, 0.0) : vec2(0.0, 1.0);
   }
   float depth = clip_depth(texel.g & 0xffffu);
