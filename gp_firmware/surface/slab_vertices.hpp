@@ -163,7 +163,7 @@ class SlabVertices {
         const std::size_t step = axis == 0 ? 1 : axis == 1 ? nx : 0;  // Within the slice.
         const T* values_0 = values_[lower] + voxel;
         const T* values_1 = values_[upper] + voxel + step;
-        const std::size_t needed_bytes = needed_bytes_;  // The compiler would load it again.
+        const std::size_t needed_bytes = needed_bytes_;  // `keys` may alias the member.
         const std::byte* needed_0 = needed_[lower] + voxel * needed_bytes;
         const std::byte* needed_1 = needed_[upper] + (voxel + step) * needed_bytes;
         const std::uint32_t row_and_kind =
