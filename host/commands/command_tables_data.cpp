@@ -88,11 +88,14 @@ std::vector<Command> slice_commands() {
         {{.name = "oblique",
           .help = "Reports a slice along any plane; writes it to FILE with the contours of visible "
                   "surfaces. Values are interpolated between voxels.",
-          .words = {number_value("TILT", "TILT", -max_angle_deg, max_angle_deg,
-                                 "turn from axial, 0, to coronal, 90", "deg"),
-                    number_value("TURN", "TURN", -max_angle_deg, max_angle_deg,
-                                 "with a tilt of 90: turn from coronal, 0, to sagittal, 90", "deg"),
-                    output_value("FILE", picture_suffixes, "picture to write")},
+          .words =
+              {number_value("TILT", "TILT", -max_angle_deg, max_angle_deg,
+                            "turn from axial, 0, to coronal, 90: superior comes to the top", "deg"),
+               number_value("TURN", "TURN", -max_angle_deg, max_angle_deg,
+                            "then turn about the picture's vertical axis; after a tilt of 90, 90 "
+                            "is sagittal",
+                            "deg"),
+               output_value("FILE", picture_suffixes, "picture to write")},
           .required = 2,
           .options = {{"at", "X,Y,Z", "place in the plane, mm LPS; by default the volume's middle"},
                       window_option,

@@ -94,10 +94,21 @@ ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
     }
     plane.pixel_mm = std::max(least_pixel_mm, length_mm / (max_oblique_px - 1));
     plane.width = plane.height =
-        std::max(static_cast<int>(std::ceil(length_mm / plane.pixel_mm)) + 1, 2);
+        std::clamp(static_cast<int>(std::ceil(length_mm / plane.pixel_mm)) + 1, 2, max_oblique_px);
     const glm::dvec3 normal = glm::cross(plane.right, plane.down);
     plane.center_mm = middle + normal * glm::dot(normal, through_mm - middle);
     return plane;
+}
+
+bool meets(const ObliquePlane& plane, const Volume& volume) {
+    const glm::dvec3 normal = glm::cross(plane.right, plane.down);
+    double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
+    for (unsigned corner = 0; corner < 8; ++corner) {
+        const double off_mm = glm::dot(normal, corner_mm(volume, corner) - plane.center_mm);
+        low = std::min(low, off_mm);
+        high = std::max(high, off_mm);
+    }
+    return low <= rounding && high >= -rounding;
 }
 
 glm::dvec3 place_mm(const ObliquePlane& plane, double x, double y) {

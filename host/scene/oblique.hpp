@@ -37,6 +37,9 @@ glm::dvec3 middle_mm(const Volume& volume);
 ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
                            const glm::dvec3& through_mm, double least_pixel_mm);
 
+/// Returns whether the plane meets the volume between the middles of its outermost voxels.
+bool meets(const ObliquePlane& plane, const Volume& volume);
+
 /// Returns the middle of pixel (x, y), counted from 0 at the top left.
 glm::dvec3 place_mm(const ObliquePlane& plane, double x, double y);
 

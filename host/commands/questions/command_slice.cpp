@@ -29,7 +29,7 @@ GrayWindow parse_window(const Session& session, const Arguments& arguments) {
     return {arguments.number("window", window.width), arguments.number("level", window.level)};
 }
 
-/// Writes the file that the third word names, if there is one, and says so.
+/// If the third word names a file, writes the picture to it, and says so.
 void write_slice(Reply& reply, Session& session, const Arguments& arguments, const Slice& slice,
                  const std::vector<SurfaceContour>& contours, const std::string& title) {
     if (arguments.words.size() < 3) {
@@ -53,7 +53,11 @@ void write_slice(Reply& reply, Session& session, const Arguments& arguments, con
                                        "along each axis; give window= and level= to set it",
                                        volume.reduction));
     }
-    reply.text += "\nwrote " + arguments.words[2];
+    reply.text += fmt::format("\nwindow {:.6g} level {:.6g}\nwrote {}", window.width, window.level,
+                              arguments.words[2]);
+    const Picture& picture = drawn.picture;
+    reply.fields.push_back(
+        {"picture_size", std::vector<std::int64_t>{picture.width, picture.height}});
     reply.fields.push_back({"window", window.width});
     reply.fields.push_back({"level", window.level});
     reply.fields.push_back({"file", arguments.words[2]});
@@ -134,24 +138,20 @@ Fields slice_fields(const SliceFrame& frame, const std::vector<SurfaceContour>& 
             {"hidden_in_3d", hidden}};
 }
 
+/// 0 without a sign.
 std::vector<double> numbers(const glm::dvec3& v) {
-    return {v.x, v.y, v.z};
+    return {v.x + 0.0, v.y + 0.0, v.z + 0.0};
+}
+
+std::string place_text(const glm::dvec3& p_mm) {
+    const auto rounded = [](double mm) { return std::round(mm * 100) / 100 + 0.0; };
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(p_mm.x), rounded(p_mm.y),
+                       rounded(p_mm.z));
 }
 
 Slice slice_of_values(const ObliquePlane& plane, const std::vector<float>& values) {
     const std::span bytes = std::as_bytes(std::span(values));
     return {oblique_frame(plane), Scalar::float32, {bytes.begin(), bytes.end()}};
-}
-
-std::vector<SurfaceContour> contours_of(const Scene& scene, const ObliquePlane& plane,
-                                        const std::vector<float>& values) {
-    std::vector<SurfaceContour> contours;
-    for (const Surface& surface : scene.surfaces) {
-        if (surface.visible && surface.compared_with.empty()) {
-            contours.push_back({&surface, oblique_contour(plane, values, surface.isovalue)});
-        }
-    }
-    return contours;
 }
 
 }  // namespace
@@ -197,8 +197,8 @@ Reply run_oblique(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();
     require_all_voxels(volume, "oblique");
     const ObliqueAngles angles{
-        parse_number("TILT", arguments.words[0], -max_angle_deg, max_angle_deg),
-        parse_number("TURN", arguments.words[1], -max_angle_deg, max_angle_deg)};
+        parse_number("TILT", arguments.words[0], -max_angle_deg, max_angle_deg) + 0.0,
+        parse_number("TURN", arguments.words[1], -max_angle_deg, max_angle_deg) + 0.0};
     const glm::dvec3 through = arguments.has("at") ? parse_triple("at", arguments.text("at", ""),
                                                                   -max_place_mm, max_place_mm)
                                                    : middle_mm(volume);
@@ -206,19 +206,24 @@ Reply run_oblique(Session& session, const Arguments& arguments) {
     const ObliquePlane plane =
         oblique_plane(volume, angles, through, std::min({spacing.x, spacing.y, spacing.z}));
     const std::vector<float> values = oblique_values(volume, plane);
+    if (!meets(plane, volume)) {
+        refuse_command(
+            fmt::format("oblique: the plane through {} mm does not meet the volume, "
+                        "whose middle is at {} mm",
+                        place_text(through), place_text(middle_mm(volume))));
+    }
     if (std::ranges::all_of(values, [](float value) { return std::isnan(value); })) {
-        refuse_command(fmt::format(
-            "oblique: the plane through ({:.2f}, {:.2f}, {:.2f}) mm does not meet the volume, "
-            "whose middle is at ({:.2f}, {:.2f}, {:.2f}) mm",
-            through.x, through.y, through.z, middle_mm(volume).x, middle_mm(volume).y,
-            middle_mm(volume).z));
+        refuse_command(
+            fmt::format("oblique: no pixel of the plane through {} mm has a value: its "
+                        "pixels of {:.4g} mm miss the middles of voxels, or the "
+                        "voxels there have no value. Choose other angles or another at=",
+                        place_text(through), plane.pixel_mm));
     }
     const Slice slice = slice_of_values(plane, values);
     const std::vector<SurfaceContour> contours = contours_of(session.scene, plane, values);
     const std::vector<std::string> hidden = hidden_in_3d(session.scene, contours);
-    const std::string title =
-        fmt::format("oblique {:.6g} {:.6g} at ({:.2f}, {:.2f}, {:.2f}) mm", angles.tilt_deg,
-                    angles.turn_deg, through.x, through.y, through.z);
+    const std::string title = fmt::format("oblique {:.6g} {:.6g} at {} mm", angles.tilt_deg,
+                                          angles.turn_deg, place_text(through));
     Reply reply;
     reply.text = fmt::format("{}: {} x {} pixels of {:.4g} mm; {}", title, plane.width,
                              plane.height, plane.pixel_mm, letter_text(slice.frame)) +

@@ -55,8 +55,10 @@ double value_at(const SliceFrame& frame, const std::vector<double>& numbers, dou
     const std::size_t below = y0 + 1 < static_cast<std::size_t>(frame.down.count) ? width : 0;
     const double* v = numbers.data() + y0 * width + x0;
     const double fx = x - static_cast<double>(x0), fy = y - static_cast<double>(y0);
-    return (v[0] * (1 - fx) + v[right] * fx) * (1 - fy) +
-           (v[below] * (1 - fx) + v[below + right] * fx) * fy;
+    const double value = (v[0] * (1 - fx) + v[right] * fx) * (1 - fy) +
+                         (v[below] * (1 - fx) + v[below + right] * fx) * fy;
+    // Beside a pixel without a value, for example at the border of an oblique slice.
+    return std::isnan(value) ? v[(fx < 0.5 ? 0 : right) + (fy < 0.5 ? 0 : below)] : value;
 }
 
 std::uint32_t gray_of(double value, const GrayWindow& window) {
@@ -92,6 +94,10 @@ void add_letters(const SliceFrame& frame, const Picture& picture, const Caption&
     }
 }
 
+bool has_contours(const Surface& surface) {
+    return surface.visible && surface.compared_with.empty();
+}
+
 }  // namespace
 
 std::optional<GrayWindow> stated_window(const Volume& volume) {
@@ -119,9 +125,20 @@ std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice) 
     const std::vector<double> numbers = numbers_of(slice);
     std::vector<SurfaceContour> contours;
     for (const Surface& surface : scene.surfaces) {
-        if (surface.visible && surface.compared_with.empty()) {
+        if (has_contours(surface)) {
             contours.push_back({&surface, slice_contour(slice.frame, numbers, surface.isovalue,
                                                         saddle_rule(surface.table))});
+        }
+    }
+    return contours;
+}
+
+std::vector<SurfaceContour> contours_of(const Scene& scene, const ObliquePlane& plane,
+                                        const std::vector<float>& values) {
+    std::vector<SurfaceContour> contours;
+    for (const Surface& surface : scene.surfaces) {
+        if (has_contours(surface)) {
+            contours.push_back({&surface, oblique_contour(plane, values, surface.isovalue)});
         }
     }
     return contours;

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/scene/oblique.hpp"
 #include "host/scene/overlay.hpp"
 #include "host/scene/slice.hpp"
 #include "host/session/session.hpp"
@@ -35,6 +36,10 @@ struct SurfaceContour {
 /// that `compare` made have no contours.
 std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice);
 
+/// The same in an oblique slice with these values: they follow its pixels.
+std::vector<SurfaceContour> contours_of(const Scene& scene, const ObliquePlane& plane,
+                                        const std::vector<float>& values);
+
 /// Settings by which the 3D picture hides parts that the contours show: "clip L 20", "components of
 /// bone". Empty if there are none, or no contours.
 std::vector<std::string> hidden_in_3d(const Scene& scene,
@@ -48,7 +53,8 @@ struct SlicePicture {
 };
 
 /// The slice in the patient's proportions, as large as fits into `size`; between voxels values are
-/// linear, also where these are unevenly spaced.
+/// linear, also where these are unevenly spaced. Beside values that are no number, a pixel has the
+/// nearest value.
 ///
 /// caption  The title at the bottom left, and the warning at the top left.
 /// Throws   RequestError (failed) for more than max_contour_marks pieces of contours.

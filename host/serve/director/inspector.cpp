@@ -242,10 +242,8 @@ Answer answer_oblique(const Session& session, const Json& ask) {
     json["axes"] = nullptr;
     json["flips"] = nullptr;
     ContourAppender contours(json, answer);
-    for (const Surface& surface : session.scene.surfaces) {
-        if (surface.visible && surface.compared_with.empty()) {
-            contours.add(surface, oblique_contour(plane, values, surface.isovalue));
-        }
+    for (const SurfaceContour& contour : contours_of(session.scene, plane, values)) {
+        contours.add(*contour.surface, contour.pieces);
     }
     finish_slice(answer, json, Scalar::float32, packed);
     return answer;

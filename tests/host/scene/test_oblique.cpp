@@ -7,6 +7,7 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/vec4.hpp>
 #include <random>
+#include <utility>
 
 #include "host/phantom/phantom.hpp"
 #include "host/scene/oblique.hpp"
@@ -127,7 +128,7 @@ TEST_SUITE("oblique") {
                 REQUIRE(glm::length(normal) == doctest::Approx(1));
                 REQUIRE(std::abs(glm::dot(normal, through - plane.center_mm)) < 1e-9);
                 REQUIRE(plane.width == plane.height);
-                REQUIRE(plane.width <= max_oblique_px + 1);
+                REQUIRE(plane.width <= max_oblique_px);
                 REQUIRE((plane.pixel_mm == least_mm) == (each % 2 == 0));
                 for (unsigned corner = 0; corner < 8; ++corner) {
                     const double z = (corner & 4U) != 0 ? 7 : 0;
@@ -135,11 +136,21 @@ TEST_SUITE("oblique") {
                                           place_of_slice(z, places), 1);
                     const glm::dvec3 p =
                         glm::dvec3(volume.voxel_to_patient * grid) - plane.center_mm;
-                    const double half = plane.width * plane.pixel_mm / 2;
+                    const double half = plane.width * plane.pixel_mm / 2 + 1e-9;
                     REQUIRE(std::abs(glm::dot(p, plane.right)) <= half);
                     REQUIRE(std::abs(glm::dot(p, plane.down)) <= half);
                 }
             }
+        }
+    }
+    TEST_CASE("a plane meets the volume between its outermost corners") {
+        const Volume volume = field_volume(tilted(), {});
+        const glm::dvec3 middle = middle_mm(volume);
+        // Along z, the middles of the voxels are up to 5.25 mm from the middle of the volume.
+        for (const auto& [off_mm, expected] :
+             {std::pair{0.0, true}, {5.2, true}, {-5.2, true}, {5.3, false}, {-5.3, false}}) {
+            const glm::dvec3 through = middle + glm::dvec3(0, 0, off_mm);
+            CHECK(meets(oblique_plane(volume, {0, 0}, through, 1), volume) == expected);
         }
     }
     TEST_CASE("a plane on a slice has the values of its voxels, and its letters") {

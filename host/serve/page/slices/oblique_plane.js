@@ -79,7 +79,7 @@ export function planeThrough(volume, angles, through_mm) {
     [corner & 1 ? last[0] : 0, corner & 2 ? last[1] : 0, corner & 4 ? last[2] : 0]));
   const length_mm = 2 * Math.max(...corners.map(p => Math.hypot(...moved(p, middle, -1))));
   const pixel_mm = Math.max(Math.min(...volume.spacing_mm), length_mm / (MOST_PX - 1));
-  const count = Math.max(Math.ceil(length_mm / pixel_mm) + 1, 2);
+  const count = Math.min(Math.max(Math.ceil(length_mm / pixel_mm) + 1, 2), MOST_PX);
   const {right, down} = sidesOf(angles);
   const normal = normalOf({right, down});
   return {right, down, pixel_mm, width: count, height: count,

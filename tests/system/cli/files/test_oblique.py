@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Oblique slices at the prompt: test_oblique.py BIN_DIR."""
+import array
 import json
 import math
 import pathlib
@@ -25,6 +26,17 @@ def plus(*vectors):
 
 def times(vector, number):
     return [each * number for each in vector]
+
+
+def write_floats(path, dims, spacing, value_at):
+    """A volume of float32, as an NRRD file."""
+    head = ["NRRD0004", "type: float", "dimension: 3", "sizes: {} {} {}".format(*dims),
+            "space: left-posterior-superior",
+            "space directions: ({},0,0) (0,{},0) (0,0,{})".format(*spacing),
+            "space origin: (0,0,0)", "endian: little", "encoding: raw", "", ""]
+    values = (value_at(x, y, z) for z in range(dims[2]) for y in range(dims[1])
+              for x in range(dims[0]))
+    path.write_bytes("\n".join(head).encode() + array.array("f", values).tobytes())
 
 
 class Oblique(unittest.TestCase):
@@ -71,12 +83,29 @@ class Oblique(unittest.TestCase):
                 self.assertGreater(inside, 1000)
                 self.assertGreater(plane["contours"], 100)
 
-    def test_an_untilted_plane_is_an_axial_slice(self):
-        self.assertEqual([each["result"]["letters"] for each in
-                          self.replies("slice z 20", "oblique 0 0", "slice y 20", "oblique 90 0",
-                                       "slice x 20", "oblique 90 90")][::2],
-                         [each["result"]["letters"] for each in
-                          self.replies("oblique 0 0", "oblique 90 0", "oblique 90 90")])
+    def test_planes_along_the_axes_have_the_letters_of_slices(self):
+        slices = self.replies("slice z 20", "slice y 20", "slice x 20")
+        planes = self.replies("oblique 0 0", "oblique 90 0", "oblique 90 90")
+        self.assertEqual([each["result"]["letters"] for each in planes],
+                         [each["result"]["letters"] for each in slices])
+
+    def test_the_picture_shows_the_whole_volume_at_the_size_that_the_reply_says(self):
+        """The outermost voxels, too: beside them lies nothing to interpolate with."""
+        info, probe = self.replies("info", "oblique 0 0")
+        side = probe["result"]["size"][0]
+        across, down, _ = [(count - 1) * step for count, step in
+                           zip(info["result"]["dims"], info["result"]["spacing_mm"])]
+        for size in (side, 300):
+            with self.subTest(size=size):
+                file = self.folder / f"{size}.png"
+                said, = self.replies(f"size {size}x{size}", f"oblique 0 0 {file} window=1e-6 "
+                                     "level=-100000")[1:]
+                self.assertEqual(said["result"]["picture_size"], [size, size])
+                rows = rows_of(file)
+                white = [sum(color == (255,) * 3 for color in row) for row in rows]
+                scale = size / side / said["result"]["pixel_mm"]
+                self.assertAlmostEqual(max(white), across * scale, delta=1.5 * scale)
+                self.assertAlmostEqual(sum(map(bool, white)), down * scale, delta=1.5 * scale)
 
     def test_without_a_place_the_plane_goes_through_the_middle_of_the_volume(self):
         info, first, second = self.replies("load phantom:sphere crop=0:30,0:20,0:10",
@@ -90,15 +119,27 @@ class Oblique(unittest.TestCase):
         self.assertEqual(result["size"], [math.ceil(math.hypot(*whole) / min(step)) + 1] * 2)
         self.assertEqual(second["result"]["through_mm"], [-20, -20, -20])
 
+    def test_a_volume_thinner_than_a_pixel_and_voxels_without_a_value(self):
+        thin = self.folder / "thin.nrrd"
+        write_floats(thin, (300, 300, 2), (0.5, 0.5, 0.01), lambda x, y, z: x)
+        hollow = self.folder / "hollow.nrrd"
+        write_floats(hollow, (8, 8, 9), (1, 1, 1), lambda x, y, z: math.nan if z == 4 else x)
+        for line in (f"load {thin}", f"load {hollow}"):
+            angles = "90 0" if "thin" in line else "0 0"
+            with self.subTest(line=line):
+                error = self.replies(line, f"oblique {angles}", code=COMMAND_ERROR)[-1]["error"]
+                self.assertRegex(error, "^oblique: no pixel of the plane through .* has a value")
+
     def test_what_cannot_be_shown_is_refused(self):
         for line, sentence in (
                 ("oblique 0 0 at=0,0,900", "oblique: the plane through (0.00, 0.00, 900.00) mm "
-                 "does not meet the volume, whose middle is at ("),
-                ("oblique 0 0 at=0,0", "at"), ("oblique steep 0", "steep"),
-                ("oblique 0 0 out.bmp", "out.bmp")):
+                 "does not meet the volume, whose middle is at (0.00, 0.00, 0.00) mm"),
+                ("oblique 0 0 at=0,0", "at: '0,0' is not three numbers, as 1,2,3"),
+                ("oblique steep 0", "TILT: 'steep' is not a number"),
+                ("oblique 0 0 out.bmp", "oblique: 'out.bmp' must end in .png, ")):
             with self.subTest(line=line):
                 error = self.replies(line, code=COMMAND_ERROR)[-1]["error"]
-                self.assertIn(sentence, error)
+                self.assertTrue(error.startswith(sentence), error)
 
 
 if __name__ == "__main__":
