@@ -2,6 +2,7 @@
 // test's.
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <string>
 #include <utility>
@@ -35,9 +36,11 @@ TEST_CASE("a viewer that joins is greeted, and hears of the volume and its first
     CHECK(stage.watchers.last("hello")["role"] == "driver");
     const Json commands = stage.watchers.last("hello")["commands"];
     CHECK(commands.size() == command_table().size());
-    CHECK(commands[5]["name"] == "surface");
-    CHECK(commands[5]["kind"] == "setting");
-    CHECK(commands[5]["subject_words"] == 1);
+    const auto surface = std::ranges::find_if(
+        commands, [](const Json& command) { return command["name"] == "surface"; });
+    REQUIRE(surface != commands.end());
+    CHECK((*surface)["kind"] == "setting");
+    CHECK((*surface)["subject_words"] == 1);
     const Json state = stage.watchers.last("state");
     CHECK(state["volume"]["name"] == "phantom:sphere");
     CHECK(state["surfaces"].size() == 1);
