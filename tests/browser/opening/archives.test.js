@@ -177,12 +177,25 @@ test('an archive inside of a folder stays as it is', async () => {
   assert.deepEqual(await errorsShown(page), []);
 });
 
+/** In the page: `globalThis.dropped` resolves after the page has taken a dropped file. */
+function watchDroppedFile() {
+  const { file } = FileSystemFileEntry.prototype;
+  globalThis.dropped = new Promise(resolve => {
+    FileSystemFileEntry.prototype.file = function (take, fail) {
+      file.call(this, found => {
+        take(found);
+        setTimeout(resolve);  // After all that the page does with it at once.
+      }, fail);
+    };
+  });
+}
+
 test('a page that only watches unpacks nothing', async () => {
   const watcher = await openPage(browser, server.watchUrl);
-  await drop(watcher.page, [writeChanged('seen.zip', writeScan('seen', 5), bytes =>
-    bytes.subarray(0, 100))]);
-  await watcher.page.evaluate(() => new Promise(drawn =>
-    requestAnimationFrame(() => requestAnimationFrame(drawn))));
+  await watcher.page.evaluate(watchDroppedFile);
+  await watcher.page.evaluate(holdUnpacking);  // Else its progress may be gone already.
+  await drop(watcher.page, [writeScan('seen', 5)]);
+  await watcher.page.evaluate(() => globalThis.dropped);
   assert.equal(await watcher.page.getByTestId('uploading').count(), 0);
   assert.deepEqual(await errorsShown(watcher.page), []);
   await watcher.close();
