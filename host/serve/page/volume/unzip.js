@@ -58,7 +58,8 @@ export async function unzipped(archive, most, signal, progress) {
   }
   if (entries.length > most.files || total > most.bytes) {
     throw new Error(`${archive.name} has ${grouped(entries.length)} files with ${grouped(total)} `
-      + `bytes; the limits are ${grouped(most.files)} files and ${grouped(most.bytes)} bytes.`);
+      + `bytes; the limits are ${grouped(most.files)} files and ${grouped(most.bytes)} bytes, `
+      + 'less what was dropped with it.');
   }
   const folder = archive.name.replace(/\.zip$/i, '');
   const found = [];
@@ -98,7 +99,7 @@ async function entriesOf(archive) {
   // Another file may stand before the archive, for example a program that unpacks it.
   const directoryAt = tailAt + end - size, before = directoryAt - offset;
   if (before < 0) {
-    throw damaged(archive);
+    throw damaged(archive, '', `The directory would begin ${-before} bytes before the archive.`);
   }
   const view = await viewOf(archive, directoryAt, directoryAt + size);
   /** @type {Map<string, Entry>} */
@@ -139,13 +140,14 @@ function placeOfEnd(tail) {
  */
 function entryAt(archive, view, at) {
   if (at + ENTRY.bytes > view.byteLength || view.getUint32(at, true) !== ENTRY.signature) {
-    throw damaged(archive);
+    throw damaged(archive, '', `Byte ${at} of the directory's ${view.byteLength} begins no entry.`);
   }
   const short = (/** @type {number} */ byte) => view.getUint16(at + byte, true);
   const long = (/** @type {number} */ byte) => view.getUint32(at + byte, true);
   const nameBytes = short(28), bytes = ENTRY.bytes + nameBytes + short(30) + short(32);
   if (at + bytes > view.byteLength) {
-    throw damaged(archive);
+    throw damaged(archive, '', `An entry ends at byte ${at + bytes} of the directory, which has `
+      + `${view.byteLength}.`);
   }
   const name = new Uint8Array(view.buffer, view.byteOffset + at + ENTRY.bytes, nameBytes);
   const flags = short(8);
@@ -188,7 +190,7 @@ async function unpackedFile(archive, entry, signal, count) {
   }
   const head = await viewOf(archive, entry.at, entry.at + LOCAL.bytes);
   if (head.byteLength < LOCAL.bytes || head.getUint32(0, true) !== LOCAL.signature) {
-    throw damaged(archive, name);
+    throw damaged(archive, name, `No file begins at byte ${entry.at} of ${archive.size}.`);
   }
   const begin = entry.at + LOCAL.bytes + head.getUint16(26, true) + head.getUint16(28, true);
   const packed = archive.slice(begin, begin + entry.packedBytes).stream();
@@ -219,12 +221,19 @@ async function unpackedFile(archive, entry, signal, count) {
       count(part.value.length);
     }
   } catch (error) {
-    throw error instanceof TypeError ? damaged(archive, name) : error;  // Of the decompressor.
+    throw error instanceof TypeError  // Of the decompressor.
+      ? damaged(archive, name, `Its data cannot be decompressed after ${bytes} of ${entry.bytes} `
+        + 'bytes.') : error;
   } finally {
     void reader.cancel().catch(() => {});
   }
-  if (bytes !== entry.bytes || crc !== entry.crc) {
-    throw damaged(archive, name);
+  if (bytes !== entry.bytes) {
+    throw damaged(archive, name, `It has ${bytes} bytes${bytes > entry.bytes ? ' or more' : ''}, `
+      + `its directory says ${entry.bytes}.`);
+  }
+  if (crc !== entry.crc) {
+    throw damaged(archive, name, `Its CRC-32 is ${crc.toString(16)}, its directory says `
+      + `${entry.crc.toString(16)}.`);
   }
   return new File(parts, name.replace(/^.*\//, ''));
 }
@@ -237,11 +246,12 @@ function isZip64(archive) {
 
 /**
  * @param {File} archive
- * @param {string} [name]  The file in it.
+ * @param {string} name  The file in it; empty for the directory.
+ * @param {string} fact  What was found, and what was expected: a sentence.
  */
-function damaged(archive, name) {
+function damaged(archive, name, fact) {
   return new Error(`${archive.name} is damaged${name ? ` at ${name}` : ''}: copy or download it `
-    + 'again.');
+    + `again. ${fact}`);
 }
 
 /**
