@@ -179,13 +179,15 @@ test('an archive inside of a folder stays as it is', async () => {
 
 /** In the page: `globalThis.dropped` resolves after the page has taken a dropped file. */
 function watchDroppedFile() {
-  const { file } = FileSystemFileEntry.prototype;
+  const { webkitGetAsEntry } = DataTransferItem.prototype;
   globalThis.dropped = new Promise(resolve => {
-    FileSystemFileEntry.prototype.file = function (take, fail) {
-      file.call(this, found => {
+    DataTransferItem.prototype.webkitGetAsEntry = function () {
+      const entry = webkitGetAsEntry.call(this), { file } = entry;
+      entry.file = (take, fail) => file.call(entry, found => {
         take(found);
         setTimeout(resolve);  // After all that the page does with it at once.
       }, fail);
+      return entry;
     };
   });
 }
