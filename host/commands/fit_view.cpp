@@ -1,12 +1,12 @@
 #include "host/commands/fit_view.hpp"
 
 #include <algorithm>
-#include <array>
 #include <glm/common.hpp>
 #include <limits>
 #include <optional>
 
 #include "host/commands/command_handlers.hpp"
+#include "host/scene/slice_places.hpp"
 #include "host/volume/reduced.hpp"
 #include "host/volume/typed_values.hpp"
 
@@ -56,24 +56,6 @@ Box box_above(const Volume& whole, double isovalue) {
     return box;
 }
 
-double place_of(const Volume& volume, int z) {
-    return volume.slice_places.empty() ? z : volume.slice_places[static_cast<std::size_t>(z)];
-}
-
-/// The corners of a box, in the patient.
-std::array<glm::dvec3, 8> corners_of(const Volume& volume, const Box& box) {
-    std::array<glm::dvec3, 8> corners{};
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        const auto end = [&](int axis) {
-            return (corner >> static_cast<unsigned>(axis) & 1U) != 0 ? box.last[axis]
-                                                                     : box.first[axis];
-        };
-        corners[corner] = glm::dvec3(volume.voxel_to_patient *
-                                     glm::dvec4(end(0), end(1), place_of(volume, end(2)), 1));
-    }
-    return corners;
-}
-
 }  // namespace
 
 Camera fitted_to_surfaces(const Volume& volume, std::span<const Surface> surfaces,
@@ -92,7 +74,7 @@ Camera fitted_to_surfaces(const Volume& volume, std::span<const Surface> surface
     }
     const Subject subject =
         subject_of(glm::dvec3(end.x, end.y, last_place(volume)), volume.voxel_to_patient);
-    Camera fit = fitted(camera, subject, corners_of(volume, box), fitted_share);
+    Camera fit = fitted(camera, subject, corners_mm(volume, box.first, box.last), fitted_share);
     fit.zoom = std::clamp(fit.zoom, min_zoom, max_zoom);
     return fit;
 }

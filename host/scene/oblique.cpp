@@ -64,18 +64,16 @@ float value_at(std::span<const T> values, const Volume& volume,
     return static_cast<float>(share > 0 ? first + share * (along_y(high) - first) : first);
 }
 
-/// corner  Bit k: the end of axis k.
-glm::dvec3 corner_mm(const Volume& volume, unsigned corner) {
-    const glm::dvec4 grid(
-        (corner & 1U) != 0 ? volume.nx - 1 : 0, (corner & 2U) != 0 ? volume.ny - 1 : 0,
-        place_of_slice((corner & 4U) != 0 ? volume.nz - 1 : 0, volume.slice_places), 1);
-    return volume.voxel_to_patient * grid;
+/// Of the whole volume.
+std::array<glm::dvec3, 8> corners_mm(const Volume& volume) {
+    return corners_mm(volume, glm::ivec3(0), glm::ivec3(volume.nx, volume.ny, volume.nz) - 1);
 }
 
 }  // namespace
 
 glm::dvec3 middle_mm(const Volume& volume) {
-    return (corner_mm(volume, 0) + corner_mm(volume, 7)) / 2.0;
+    const std::array corners = corners_mm(volume);
+    return (corners.front() + corners.back()) / 2.0;
 }
 
 ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
@@ -89,8 +87,8 @@ ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
         untilted_right * std::cos(turn) + glm::cross(untilted_right, plane.down) * std::sin(turn);
     const glm::dvec3 middle = middle_mm(volume);
     double length_mm = 0;
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        length_mm = std::max(length_mm, 2 * glm::distance(corner_mm(volume, corner), middle));
+    for (const glm::dvec3& corner : corners_mm(volume)) {
+        length_mm = std::max(length_mm, 2 * glm::distance(corner, middle));
     }
     plane.pixel_mm = std::max(least_pixel_mm, length_mm / (max_oblique_px - 1));
     plane.width = plane.height =
@@ -103,8 +101,8 @@ ObliquePlane oblique_plane(const Volume& volume, const ObliqueAngles& angles,
 bool meets(const ObliquePlane& plane, const Volume& volume) {
     const glm::dvec3 normal = glm::cross(plane.right, plane.down);
     double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
-    for (unsigned corner = 0; corner < 8; ++corner) {
-        const double off_mm = glm::dot(normal, corner_mm(volume, corner) - plane.center_mm);
+    for (const glm::dvec3& corner : corners_mm(volume)) {
+        const double off_mm = glm::dot(normal, corner - plane.center_mm);
         low = std::min(low, off_mm);
         high = std::max(high, off_mm);
     }
