@@ -9,6 +9,7 @@
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/fit_view.hpp"
 #include "host/commands/pictures/picture_settings.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/scene/clip.hpp"
 #include "host/session/transfer/detail.hpp"
 
@@ -342,19 +343,17 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     const Pick& pick = picked->pick;
     Reply reply;
     reply.text = fmt::format(
-        "{} at ({:.2f}, {:.2f}, {:.2f}) mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}",
-        picked->surface, pick.p_mm.x, pick.p_mm.y, pick.p_mm.z,
-        session.meshes.surface(picked->surface).isovalue, pick.x, pick.y, pick.z,
-        pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
+        "{} at {} mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}", picked->surface,
+        place_text(pick.p_mm), session.meshes.surface(picked->surface).isovalue, pick.x, pick.y,
+        pick.z, pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
     std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
         if (hit.surface == picked->surface) {
             where = "behind";
             continue;
         }
-        const glm::dvec3& p = hit.pick.p_mm;
-        reply.text += fmt::format("\n{}: {} at ({:.2f}, {:.2f}, {:.2f}) mm LPS", where, hit.surface,
-                                  p.x, p.y, p.z);
+        reply.text +=
+            fmt::format("\n{}: {} at {} mm LPS", where, hit.surface, place_text(hit.pick.p_mm));
     }
     reply.fields = {{"hit", true}};
     for (Field& field : fields_of(session, *picked)) {

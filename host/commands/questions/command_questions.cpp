@@ -19,10 +19,6 @@ namespace {
 
 constexpr const char* usual_bins = "256";
 
-std::vector<double> point(const glm::dvec3& p) {
-    return {p.x, p.y, p.z};
-}
-
 struct Pixel {
     int x = 0, y = 0;
 };
@@ -40,8 +36,7 @@ struct End {
     std::string surface;  ///< Empty for a place.
 
     std::string text() const {
-        return fmt::format("{}({:.2f}, {:.2f}, {:.2f})", surface.empty() ? "" : surface + " at ",
-                           p_mm.x, p_mm.y, p_mm.z);
+        return (surface.empty() ? "" : surface + " at ") + place_text(p_mm);
     }
 };
 
@@ -99,8 +94,8 @@ Reply run_measure(Session& session, const Arguments& arguments) {
     const double distance_mm = glm::distance(a.p_mm, b.p_mm);
     return {fmt::format("{:.2f} mm in a straight line, from {} to {} mm LPS", distance_mm, a.text(),
                         b.text()),
-            {{"a_mm", point(a.p_mm)},
-             {"b_mm", point(b.p_mm)},
+            {{"a_mm", place_numbers(a.p_mm)},
+             {"b_mm", place_numbers(b.p_mm)},
              {"distance_mm", distance_mm},
              {"a_surface", a.surface},
              {"b_surface", b.surface}}};

@@ -138,17 +138,6 @@ Fields slice_fields(const SliceFrame& frame, const std::vector<SurfaceContour>& 
             {"hidden_in_3d", hidden}};
 }
 
-/// 0 without a sign.
-std::vector<double> numbers(const glm::dvec3& v) {
-    return {v.x + 0.0, v.y + 0.0, v.z + 0.0};
-}
-
-std::string place_text(const glm::dvec3& p_mm) {
-    const auto rounded = [](double mm) { return std::round(mm * 100) / 100 + 0.0; };
-    return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(p_mm.x), rounded(p_mm.y),
-                       rounded(p_mm.z));
-}
-
 Slice slice_of_values(const ObliquePlane& plane, const std::vector<float>& values) {
     const std::span bytes = std::as_bytes(std::span(values));
     return {oblique_frame(plane), Scalar::float32, {bytes.begin(), bytes.end()}};
@@ -230,10 +219,10 @@ Reply run_oblique(Session& session, const Arguments& arguments) {
                  contour_text(contours, hidden);
     reply.fields = {{"tilt_deg", angles.tilt_deg},
                     {"turn_deg", angles.turn_deg},
-                    {"through_mm", numbers(through)},
-                    {"center_mm", numbers(plane.center_mm)},
-                    {"right", numbers(plane.right)},
-                    {"down", numbers(plane.down)},
+                    {"through_mm", place_numbers(through)},
+                    {"center_mm", place_numbers(plane.center_mm)},
+                    {"right", place_numbers(plane.right)},
+                    {"down", place_numbers(plane.down)},
                     {"size", std::vector<std::int64_t>{plane.width, plane.height}},
                     {"pixel_mm", plane.pixel_mm},
                     {"letters", letter_fields(slice.frame)},

@@ -98,6 +98,16 @@ glm::dvec3 spacing_mm(const Volume& volume) {
             glm::length(axis_mm(volume, 2))};
 }
 
+std::string place_text(const glm::dvec3& p_mm) {
+    const auto rounded = [](double mm) { return std::round(mm * 100) / 100 + 0.0; };
+    return fmt::format("({:.2f}, {:.2f}, {:.2f})", rounded(p_mm.x), rounded(p_mm.y),
+                       rounded(p_mm.z));
+}
+
+std::vector<double> place_numbers(const glm::dvec3& p) {
+    return {p.x + 0.0, p.y + 0.0, p.z + 0.0};
+}
+
 std::string finding_name(FindingKind kind) {
     std::string name = enum_name(kind);
     std::ranges::replace(name, '_', ' ');

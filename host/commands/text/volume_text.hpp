@@ -26,6 +26,10 @@ std::string place_warning(const Volume& volume);
 /// Distance between voxel centers along x, y and z in millimeters.
 glm::dvec3 spacing_mm(const Volume& volume);
 
+/// "(1.00, -2.50, 0.00)", and its numbers. Zeros have no sign.
+std::string place_text(const glm::dvec3& p_mm);
+std::vector<double> place_numbers(const glm::dvec3& p);
+
 /// "gantry tilt", "missing slices", ...
 std::string finding_name(FindingKind kind);
 
