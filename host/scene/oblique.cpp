@@ -64,7 +64,7 @@ float value_at(std::span<const T> values, const Volume& volume,
     return static_cast<float>(share > 0 ? first + share * (along_y(high) - first) : first);
 }
 
-/// Of the whole volume.
+/// Returns the corners of the whole volume.
 std::array<glm::dvec3, 8> corners_mm(const Volume& volume) {
     return corners_mm(volume, glm::ivec3(0), glm::ivec3(volume.nx, volume.ny, volume.nz) - 1);
 }
