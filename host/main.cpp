@@ -16,7 +16,7 @@
 #include "host/commands/command_options.hpp"
 #include "host/commands/script.hpp"
 #include "host/inspect/tools/cli.hpp"
-#include "host/machine/computers/join_cli.hpp"
+#include "host/machine/computers/join/join_cli.hpp"
 #include "host/machine/computers/plan_text.hpp"
 #include "host/machine/machine.hpp"
 #include "host/machine/sessions/session_note.hpp"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host/base/kernel/program_folder.hpp"
-#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/join/key.hpp"
 #include "host/machine/descriptors.hpp"
 #include "ringbus/process/process.hpp"
 #include "ringbus/wire.hpp"

@@ -13,7 +13,7 @@
 #include <string_view>
 #include <utility>
 
-#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/join/key.hpp"
 #include "host/machine/port.hpp"
 
 namespace pxpl5::host {

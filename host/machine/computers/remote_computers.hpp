@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "host/machine/computers/letter.hpp"
+#include "host/machine/computers/join/letter.hpp"
 #include "host/machine/handshake.hpp"
 #include "host/machine/supervisor.hpp"
 #include "host/machine/topology.hpp"

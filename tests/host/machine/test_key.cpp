@@ -1,4 +1,4 @@
-#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/join/key.hpp"
 
 #include <doctest/doctest.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "host/machine/computers/way.hpp"
+#include "host/machine/computers/join/way.hpp"
 
 #include <arpa/inet.h>
 #include <doctest/doctest.h>

@@ -1,4 +1,4 @@
-#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/join/key.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>

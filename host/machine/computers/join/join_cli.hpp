@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "host/machine/computers/join.hpp"
-#include "host/machine/computers/key.hpp"
+#include "host/machine/computers/join/join.hpp"
+#include "host/machine/computers/join/key.hpp"
 #include "host/machine/topology.hpp"
 
 namespace pxpl5::host {

@@ -1,4 +1,4 @@
-#include "host/machine/computers/join.hpp"
+#include "host/machine/computers/join/join.hpp"
 
 #include <fmt/format.h>
 #include <poll.h>
@@ -19,10 +19,10 @@
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/machine/computers/facts.hpp"
-#include "host/machine/computers/key.hpp"
-#include "host/machine/computers/letter.hpp"
+#include "host/machine/computers/join/key.hpp"
+#include "host/machine/computers/join/letter.hpp"
+#include "host/machine/computers/join/way.hpp"
 #include "host/machine/computers/poll_set.hpp"
-#include "host/machine/computers/way.hpp"
 #include "host/machine/port.hpp"
 #include "host/machine/supervisor.hpp"
 #include "ringbus/process/process.hpp"

@@ -1,4 +1,4 @@
-#include "host/machine/computers/letter.hpp"
+#include "host/machine/computers/join/letter.hpp"
 
 #include <fmt/core.h>
 
