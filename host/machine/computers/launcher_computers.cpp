@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
+#include <limits>
 
 #include "host/base/stopwatch.hpp"
 #include "host/machine/computers/facts.hpp"
+#include "host/machine/computers/network_rate.hpp"
 #include "host/machine/computers/placement.hpp"
 #include "host/machine/launcher.hpp"
 
@@ -22,8 +24,8 @@ constexpr int patient_s = 3600;  // For jobs in a queue, and for computers that 
 constexpr int restart_s = 300;   // For the same after the death of a node.
 constexpr int note_after_ms = 3000;
 
-// The rate of the network: a few computers, the best of some answers of this size. The first answer
-// is small: on a slow network a large one would hold up the beats of its computer.
+// The rate of the network: a few computers, some answers of this size. The first answers are small:
+// on a slow network a large one would hold up the beats of its computer.
 constexpr int measured_computers = 4, measure_rounds = 3, measure_limit_ms = 2000;
 constexpr std::uint32_t first_bytes = 1U << 15U, measured_bytes = 1U << 19U;
 constexpr double fast_enough_mb_s = 4;  // For the large ones.
@@ -194,23 +196,29 @@ std::optional<double> Launcher::measured_mb_s(int number) {
         }
         return now_ns() - begin_ns;
     };
-    const auto empty_ns = answer_ns(0);
-    const auto rate_of = [&](std::uint32_t bytes) -> std::optional<double> {
+    NetworkRate rate;
+    const auto add_round = [&](std::uint32_t bytes) {
+        const auto empty_ns = answer_ns(0);
         const auto full_ns = empty_ns ? answer_ns(bytes) : std::nullopt;
-        if (!full_ns) {
-            return std::nullopt;
+        if (full_ns) {
+            rate.add_empty(*empty_ns);
+            rate.add_full(bytes, *full_ns);
         }
-        const auto ns = std::max<std::int64_t>(*full_ns - *empty_ns, 1);
-        return 1e3 * bytes / static_cast<double>(ns);
+        return full_ns.has_value();
     };
-    std::optional<double> best = rate_of(first_bytes);
-    if (!best || *best < fast_enough_mb_s) {
-        return best;
-    }
-    best.reset();  // A small answer says little about a fast network.
-    for (int round = 0; round < measure_rounds; ++round) {
-        const auto rate = rate_of(measured_bytes);
-        best = rate ? std::max(best.value_or(0), *rate) : best;
+    std::optional<double> best;
+    const auto measure = [&](std::uint32_t bytes, double enough_mb_s) {
+        for (int round = 0; round < measure_rounds && add_round(bytes); ++round) {
+            best = rate.mb_s();
+            if (*best >= enough_mb_s) {
+                return true;
+            }
+        }
+        return false;
+    };
+    if (measure(first_bytes, fast_enough_mb_s)) {
+        best.reset();  // A small answer says little about a fast network.
+        measure(measured_bytes, std::numeric_limits<double>::infinity());
     }
     return best;
 }
