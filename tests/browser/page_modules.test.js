@@ -10,6 +10,7 @@ import {camerasAt} from '../../host/serve/page/picture/camera.js';
 import {deviceAxes, turnOfDevice} from '../../host/serve/page/picture/parallax.js';
 import {lettersTowards, mmPerPlace, projectToPicture, roundLength}
   from '../../host/serve/page/picture/projection.js';
+import {Refresh} from '../../host/serve/page/picture/refresh.js';
 import {composedSize, partsOf} from '../../host/serve/page/picture/stereo.js';
 import {wrapped} from '../../host/serve/page/elements/legend.js';
 import {beyond} from '../../host/serve/page/slices/slice_words.js';
@@ -317,4 +318,38 @@ test('the eyes are apart along the rows, and see the plane of convergence at one
   const at = [0, 1, 2].map(k => left[4 * k] * x + left[4 * k + 1] * y + left[4 * k + 2] * z);
   const [a, b] = cameras.map(each => projectToPicture(each.patient_to_clip, at, 500, 400));
   near([a.x, a.y], [b.x, b.y], 1e-9);
+});
+
+test('one picture for each refresh of the screen, and the first at once', async () => {
+  const waiting = [];
+  globalThis.requestAnimationFrame = wake => waiting.push(wake);
+  const refreshed = () => { waiting.splice(0).forEach(wake => wake(0)); };
+  const turn = () => new Promise(resolve => setImmediate(resolve));
+  const refresh = new Refresh(), drawn = [];
+  const draw = async name => {
+    await refresh.room();
+    drawn.push(name);
+  };
+  try {
+    void draw('a');
+    await turn();
+    assert.deepEqual(drawn, ['a']);
+    void draw('b');
+    await turn();
+    assert.deepEqual(drawn, ['a'], 'the screen has not shown it yet');
+    refreshed();
+    await turn();
+    assert.deepEqual(drawn, ['a', 'b']);
+    refreshed();
+    await turn();
+    void draw('c');
+    await turn();
+    assert.deepEqual(drawn, ['a', 'b', 'c'], 'the screen has shown b');
+    void draw('d');
+    refresh.isWorn = true;  // The window may have no refresh now.
+    await turn();
+    assert.deepEqual(drawn, ['a', 'b', 'c', 'd']);
+  } finally {
+    delete globalThis.requestAnimationFrame;
+  }
 });

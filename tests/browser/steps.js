@@ -60,6 +60,21 @@ export function unfold(page) {
   });
 }
 
+/**
+ * Red, green, blue and opacity of all pixels of a canvas, at the second refresh of the screen.
+ * @param {import('playwright-core').Locator} canvas
+ */
+export async function canvasPixels(canvas) {
+  const text = await canvas.evaluate(async element => {
+    await new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)));
+    const { data } = element.getContext('2d').getImageData(0, 0, element.width, element.height);
+    let bytes = '';  // An array of numbers would take seconds on its way to the test.
+    for (const byte of data) bytes += String.fromCharCode(byte);
+    return btoa(bytes);
+  });
+  return Uint8Array.from(Buffer.from(text, 'base64'));
+}
+
 /** How different the picture's pixels are: colors, and the share of the commonest one. */
 export function lookAtPicture(page) {
   return page.getByTestId('frame').evaluate(canvas => {

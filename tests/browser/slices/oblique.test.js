@@ -3,7 +3,7 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { byId, page, server, shoot, usePage } from '../harness.js';
 import { planeThrough } from '../../../host/serve/page/slices/oblique_plane.js';
-import { after, middleOf, rawSocket, say, settled, state } from '../steps.js';
+import { after, canvasPixels, middleOf, rawSocket, say, settled, state } from '../steps.js';
 
 const NOTCH = 120;
 
@@ -16,9 +16,7 @@ usePage(undefined, async () => {
   await byId('slices-readout').getByText('crosshair').waitFor();
 });
 
-const pixelsOf = id => byId(id).evaluate(canvas => new Promise(done =>
-  requestAnimationFrame(() => requestAnimationFrame(() => done(
-    [...canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data])))));
+const pixelsOf = id => canvasPixels(byId(id));
 
 /** The value and the voxel that the readout tells. */
 async function told() {

@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import test, { beforeEach } from 'node:test';
 import { byId, page, server, shoot, usePage } from '../harness.js';
-import { after, drag, middleOf, rawSocket, say, settled, state } from '../steps.js';
+import { after, canvasPixels, drag, middleOf, rawSocket, say, settled, state }
+  from '../steps.js';
 
 const NOTCH = 120;
 
@@ -31,9 +32,7 @@ async function voxelAt(x, y) {
   return text.match(/at voxel (\d+), (\d+), (\d+)/).slice(1).map(Number);
 }
 
-/** Red, green and blue of all pixels of a slice, as one array. */
-const pixelsOf = id => byId(id).evaluate(canvas =>
-  [...canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data]);
+const pixelsOf = id => canvasPixels(byId(id));
 
 /** Waits for the next picture of the screen: views draw once per refresh. */
 const drawn = () => page.evaluate(() => new Promise(done =>
@@ -230,6 +229,33 @@ test('slices show where clip planes cut', async () => {
   await after(page, () => say(raw, 'clip off'), now => now.clips.length === 0);
   await drawn();
   assert.deepEqual(await pictures(), before);
+});
+
+test('what no slice shows paints none', async () => {
+  const begin = () => page.evaluate(() => {
+    globalThis.painted = {};
+    for (const canvas of document.querySelectorAll('.slice-canvas')) {
+      const context = canvas.getContext('2d');
+      context.clearRect = function count(...box) {
+        const { testid } = canvas.dataset;
+        globalThis.painted[testid] = (globalThis.painted[testid] ?? 0) + 1;
+        Object.getPrototypeOf(this).clearRect.apply(this, box);
+      };
+    }
+  });
+  const paintedAfter = async line => {
+    await begin();
+    await after(page, () => say(raw, line));
+    await drawn();
+    return page.evaluate(() => globalThis.painted);
+  };
+  assert.deepEqual(await paintedAfter('surface bone opacity=0.5'), {});
+  // A clip plane may cut any of them.
+  const cut = Object.keys(await paintedAfter('clip L 20'));
+  assert.deepEqual(cut.sort(),
+                   ['slice-axial', 'slice-coronal', 'slice-oblique', 'slice-sagittal']);
+  await paintedAfter('clip off');
+  await paintedAfter('surface bone opacity=1');
 });
 
 test('colors and square voxels', async () => {

@@ -2,10 +2,24 @@
 import {LIMITS} from '../link/vocabulary.js';
 import {drawPair} from './compose.js';
 
-/** @param {import('../link/connection.js').Frame} frame  A JPEG or PNG. */
-export function bitmapOfFile({header, picture}) {
+/**
+ * Decodes a frame. Browsers read a blob by way of another process, which takes longer than to
+ * decode a moving picture. So a JPEG goes to WebCodecs, where there are some (secure contexts).
+ * @param {import('../link/connection.js').Frame} frame  A JPEG or PNG.
+ */
+export async function bitmapOfFile({header, picture}) {
   const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
-  return createImageBitmap(new Blob([/** @type {any} */ (picture)], {type}));
+  const data = /** @type {any} */ (picture);
+  if (header.kind === 'png' || !('ImageDecoder' in globalThis)) {
+    return createImageBitmap(new Blob([data], {type}));
+  }
+  const decoder = new ImageDecoder({type, data});
+  try {
+    const {image} = await decoder.decode();
+    return await createImageBitmap(image).finally(() => image.close());
+  } finally {
+    decoder.close();
+  }
 }
 
 /** @param {VideoFrame | null} picture  Is closed. */

@@ -307,7 +307,7 @@ export class PictureView {
       return;
     }
     try {
-      await this.refresh.next();
+      await (leans ? this.refresh.next() : this.refresh.room());
       if (header.revision >= this.leastRevision_) {
         this.draw_(header, bitmap, leans);
       }

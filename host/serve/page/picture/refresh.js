@@ -6,6 +6,8 @@ export class Refresh {
     this.isWorn_ = false;
     /** @private Ends the wait. */
     this.wake_ = () => {};
+    /** @private Is kept at the first refresh after the last picture. @type {Promise<unknown>} */
+    this.shown_ = Promise.resolve();
   }
 
   /**
@@ -23,5 +25,15 @@ export class Refresh {
       this.wake_ = () => wake(0);
       requestAnimationFrame(this.wake_);
     });
+  }
+
+  /**
+   * Waits until the screen has been refreshed since the last call was answered: what is drawn then
+   * is seen at the next refresh, as after next(), and the time until then is free for other work.
+   */
+  room() {
+    const shown = this.shown_;
+    this.shown_ = shown.then(() => this.next());
+    return shown;
   }
 }

@@ -37,6 +37,7 @@ export class ObliquePane {
     /** A place of the plane, mm: in the voxel of the crosshair. @private @type {Vector} */
     this.place_ = [0, 0, 0];
     /** @private What the contours depend on. */ this.of_ = '';
+    /** @private The plane of the last `changed`. */ this.told_ = '';
     /** @private */
     this.source_ = new SliceSource(connection, {slice: shown, failed});
     /** @private */
@@ -152,6 +153,10 @@ export class ObliquePane {
     if (plane && volume) {
       this.source_.want({axis: 'oblique', oblique: {grid: volume, plane}}, of);
     }
-    this.changed_();
+    const equation = String(this.equation);
+    if (equation !== this.told_) {  // To paint all slices takes long.
+      this.told_ = equation;
+      this.changed_();
+    }
   }
 }

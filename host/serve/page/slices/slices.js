@@ -207,10 +207,8 @@ export class SlicesPanel {
     // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
-    store.subscribe(['surfaces', 'clips'], state => {
-      this.beyond.textContent = beyond(state);
-      this.cut();
-    });
+    store.subscribe(['surfaces', 'clips'], state => { this.beyond.textContent = beyond(state); });
+    store.subscribe(['clips'], () => this.cut());
     store.subscribe(['surfaces'], ({surfaces}) => {
       this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
         .map(({name}) => h('option', {value: name}, name)));
@@ -258,6 +256,7 @@ export class SlicesPanel {
       count.textContent = '';
     }
     this.oblique.open(volume);
+    this.cut();
     if (!volume) {
       return;
     }
