@@ -3,18 +3,17 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
-#include <memory>
 #include <span>
 #include <type_traits>
-#include <utility>
+
+#include "gp_firmware/render/own_pages.hpp"
 
 namespace pxpl5::gp {
 
 /// A list of plain values for data that each frame writes once and in order.
 template <typename T>
 class Growing {
-    static_assert(std::is_trivially_copyable_v<T>);
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= alignof(std::max_align_t));
 
   public:
     /// Appends `count` elements and returns the first. The caller writes all of them.
@@ -22,7 +21,7 @@ class Growing {
         if (capacity_ - size_ < count) [[unlikely]] {
             grow(count);
         }
-        T* values = values_.get() + size_;
+        T* values = values_of() + size_;
         size_ += count;
         return values;
     }
@@ -30,22 +29,20 @@ class Growing {
     void clear() { size_ = 0; }
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
-    const T* data() const { return values_.get(); }
-    std::span<const T> values() const { return {values_.get(), size_}; }
+    const T* data() const { return values_of(); }
+    std::span<const T> values() const { return {values_of(), size_}; }
 
   private:
+    T* values_of() const { return reinterpret_cast<T*>(memory_.data()); }
+
     void grow(std::size_t count) {
         constexpr std::size_t first_capacity = 256;
         const std::size_t capacity = std::max({first_capacity, 2 * capacity_, size_ + count});
-        auto values = std::make_unique_for_overwrite<T[]>(capacity);
-        if (size_ > 0) {
-            std::memcpy(static_cast<void*>(values.get()), values_.get(), size_ * sizeof(T));
-        }
-        values_ = std::move(values);
+        memory_.grow(size_ * sizeof(T), capacity * sizeof(T));
         capacity_ = capacity;
     }
 
-    std::unique_ptr<T[]> values_;
+    OwnPages memory_;
     std::size_t size_ = 0, capacity_ = 0;
 };
 

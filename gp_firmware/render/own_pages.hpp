@@ -1,0 +1,37 @@
+// Own pages: memory that grows without copies and without holes.
+#pragma once
+
+#include <cstddef>
+
+namespace pxpl5::gp {
+
+/// A block of memory for a list that only grows. From `least_bytes` on it consists of pages of its
+/// own, which the kernel moves (mremap): nothing is copied, no block of half the size is left over,
+/// and unwritten pages take no memory. Smaller blocks come from the C library.
+class OwnPages {
+  public:
+    static constexpr std::size_t least_bytes = std::size_t{1} << 20;
+
+    OwnPages() = default;
+    ~OwnPages();
+    OwnPages(OwnPages&& other) noexcept;
+    OwnPages& operator=(OwnPages&& other) noexcept;
+
+    /// Makes the block larger. Its first `used` bytes stay; the others have any value.
+    ///
+    /// used   At most bytes().
+    /// bytes  More than bytes(). The block may get up to a page more.
+    /// Throws std::bad_alloc if there is no memory, and the block stays as it was.
+    void grow(std::size_t used, std::size_t bytes);
+
+    std::byte* data() const { return data_; }
+    std::size_t bytes() const { return bytes_; }
+
+  private:
+    void free();
+
+    std::byte* data_ = nullptr;
+    std::size_t bytes_ = 0;
+};
+
+}  // namespace pxpl5::gp
