@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <iterator>
-#include <limits>
 
 #include "host/base/stopwatch.hpp"
 #include "host/machine/computers/facts.hpp"
@@ -24,11 +23,7 @@ constexpr int patient_s = 3600;  // For jobs in a queue, and for computers that 
 constexpr int restart_s = 300;   // For the same after the death of a node.
 constexpr int note_after_ms = 3000;
 
-// The rate of the network: a few computers, some answers of this size. The first answers are small:
-// on a slow network a large one would hold up the beats of its computer.
-constexpr int measured_computers = 4, measure_rounds = 3, measure_limit_ms = 2000;
-constexpr std::uint32_t first_bytes = 1U << 15U, measured_bytes = 1U << 19U;
-constexpr double fast_enough_mb_s = 4;  // For the large ones.
+constexpr int measured_computers = 4, measure_limit_ms = 2000;
 
 std::string port_of(const std::string& endpoint) {
     return endpoint.substr(endpoint.rfind(':') + 1);
@@ -180,8 +175,13 @@ void Launcher::require_computer(const RemoteComputer& computer) const {
 std::optional<double> Launcher::measured_mb_s(int number) {
     RemoteComputers& others = processes_.others();
     const RemoteComputer& computer = others.computers()[static_cast<std::size_t>(number) - 1];
-    const std::int64_t end_ms = now_ms() + measure_limit_ms;
-    const auto answer_ns = [&](std::uint32_t bytes) -> std::optional<std::int64_t> {
+    std::optional<std::uint32_t> asked;
+    std::int64_t end_ms = 0;  // Of all answers of one size.
+    return host::measured_mb_s([&](std::uint32_t bytes) -> std::optional<std::int64_t> {
+        if (asked != bytes) {
+            asked = bytes;
+            end_ms = now_ms() + measure_limit_ms;
+        }
         const int before = computer.measured;
         const std::int64_t begin_ns = now_ns();
         others.ask_bytes(number, bytes);
@@ -195,32 +195,7 @@ std::optional<double> Launcher::measured_mb_s(int number) {
             discard_messages(false);
         }
         return now_ns() - begin_ns;
-    };
-    NetworkRate rate;
-    const auto add_round = [&](std::uint32_t bytes) {
-        const auto empty_ns = answer_ns(0);
-        const auto full_ns = empty_ns ? answer_ns(bytes) : std::nullopt;
-        if (full_ns) {
-            rate.add_empty(*empty_ns);
-            rate.add_full(bytes, *full_ns);
-        }
-        return full_ns.has_value();
-    };
-    std::optional<double> best;
-    const auto measure = [&](std::uint32_t bytes, double enough_mb_s) {
-        for (int round = 0; round < measure_rounds && add_round(bytes); ++round) {
-            best = rate.mb_s();
-            if (*best >= enough_mb_s) {
-                return true;
-            }
-        }
-        return false;
-    };
-    if (measure(first_bytes, fast_enough_mb_s)) {
-        best.reset();  // A small answer says little about a fast network.
-        measure(measured_bytes, std::numeric_limits<double>::infinity());
-    }
-    return best;
+    });
 }
 
 void Launcher::measure_network() {
