@@ -61,8 +61,8 @@ void OwnPages::grow(std::size_t used, std::size_t bytes) {
         bytes_ = bytes;
         return;
     }
-    std::byte* const pages = checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
-                                          MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0));
+    std::byte* const pages =
+        checked(mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0));
     if (used > 0) {
         std::memcpy(pages, data_, used);
     }

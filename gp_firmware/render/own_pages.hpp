@@ -1,13 +1,13 @@
-// Own pages: memory that grows without copies and without holes.
+// Own pages: memory that grows without copies.
 #pragma once
 
 #include <cstddef>
 
 namespace pxpl5::gp {
 
-/// A block of memory for a list that only grows. From `least_bytes` on it consists of pages of its
-/// own, which the kernel moves (mremap): nothing is copied, no block of half the size is left over,
-/// and unwritten pages take no memory. Smaller blocks come from the C library.
+/// A block of memory for a list that only grows. From `least_bytes` on, the block consists of pages
+/// of its own, which the kernel moves (mremap). Nothing is copied, no older block of half the size
+/// is left over, and unwritten pages take no memory. Smaller blocks come from the C library.
 class OwnPages {
   public:
     static constexpr std::size_t least_bytes = std::size_t{1} << 20;
