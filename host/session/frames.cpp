@@ -85,7 +85,7 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
 /// Returns whether drawing fails. Each GP reports a failed frame, and only the first fault counts.
 bool Frames::take_fault(std::uint32_t frame) {
     const bool is_pending = std::ranges::count(pending_, frame, &Pending::frame) != 0;
-    if (is_pending && ahead_ && ahead_->frame == frame) {
+    if (is_pending && ahead_ && frame >= ahead_->frame) {
         abandon();  // The next drawing requests the frame again, and reports its fault.
         return false;
     }
@@ -162,34 +162,6 @@ Picture Frames::take_oldest() {
     Picture picture = std::move(finished_.front());
     finished_.pop_front();
     return picture;
-}
-
-void Frames::announce(const std::optional<Moving>& moving) {
-    drop_ahead();
-    announced_ = moving;
-}
-
-void Frames::request_announced() {
-    if (const std::optional<Moving> moving = std::exchange(announced_, std::nullopt)) {
-        Scene scene = scene_;
-        scene.size = moving->size;
-        scene.detail = {false, moving->detail};
-        ahead_ = {next_frame_, key_of(scene)};
-        request(scene, stage(scene));
-    }
-}
-
-std::optional<Picture> Frames::take_ahead(int samples) {
-    if (!ahead_) {
-        return std::nullopt;
-    }
-    const bool is_wanted = samples == 1 && ahead_->key == key();
-    wait_until_pending(0);
-    if (!std::exchange(ahead_, std::nullopt)) {  // It has failed.
-        return std::nullopt;
-    }
-    Picture picture = take_oldest();
-    return is_wanted ? std::optional(std::move(picture)) : std::nullopt;
 }
 
 Picture Frames::draw() {

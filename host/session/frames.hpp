@@ -15,6 +15,7 @@
 #include "host/base/spread.hpp"
 #include "host/scene/pick.hpp"
 #include "host/session/nodes.hpp"
+#include "host/session/transfer/frame_layers.hpp"
 #include "host/session/transfer/frame_parts.hpp"
 #include "host/session/transfer/frame_report.hpp"
 #include "host/session/transfer/frame_request.hpp"
@@ -96,8 +97,8 @@ class Frames {
         int opacity = 0;  ///< Sixteenths.
     };
     /// Draws the scene with one sample per pixel, as two pictures with depths. Both are in flight
-    /// at the same time. Returns nothing in stereo, and unless exactly one visible surface has an
-    /// opacity below 1.
+    /// at the same time, or were requested ahead. Returns nothing in stereo, and unless exactly one
+    /// visible surface has an opacity below 1.
     std::optional<Layers> draw_layers();
     /// The same as two given eyes see it: draw_pair() without the transparent surface, and with it.
     std::optional<Layers> draw_pair_layers(const Eyes& eyes, const Moving& how);
@@ -114,8 +115,8 @@ class Frames {
                       double degrees = 360);
 
     /// Announces that the next new surface is drawn once it is extracted, in this way and with one
-    /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
-    /// frame.
+    /// sample: as layers if draw_layers() can draw the scene. Surfaces::set() then requests the
+    /// frame, or both frames of the layers, together with the surface. Nothing: no such frame.
     void announce(const std::optional<Moving>& moving);
     /// Requests the announced frame, if any. The next drawing takes the frame if it shows what is
     /// drawn, else drops the frame.
@@ -168,8 +169,9 @@ class Frames {
         bool is_front = false;                ///< Belongs to the picture of the frame before.
     };
     struct Ahead {
-        std::uint32_t frame = 0;
+        std::uint32_t frame = 0;  ///< The first.
         std::uint64_t key = 0;
+        std::optional<SurfaceLayers> layers = {};  ///< Two frames, if there are layers.
     };
 
     Stage stage(const Scene& scene) const;
@@ -181,13 +183,17 @@ class Frames {
     std::size_t max_summed_regions(int samples) const;
     Picture draw_in_parts(int samples);
     std::optional<Layers> draw_layers_of(const Scene& scene, Stage part);
+    void request_layers(const Scene& scene, Stage part, const SurfaceLayers& layers);
+    /// Waits for the two frames in flight.
+    Layers take_layers(const SurfaceLayers& layers);
     std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::Message& message);
     void finish(Pending frame);
     void take_counts(const bus::Message& message);
     bool is_counted(const CountedFrame& frame) const;
-    /// Takes the frame ahead if its key is the scene's; else waits for the frame and drops it.
+    /// Takes the frame ahead if its key is the scene's; else waits for it and drops it. Drops
+    /// layers.
     std::optional<Picture> take_ahead(int samples);
     /// Waits until at most `count` frames are in flight.
     void wait_until_pending(std::size_t count);

@@ -123,7 +123,7 @@ if (options.volume === PHANTOM) {
   rows['view turned'] = await turned();  // With the transparent skin, in two layers.
   await unfold(page);
   await page.getByTestId('warp-switch').uncheck();
-  rows['view turned, warp off'] = await turned();  // With its screen door, in one picture.
+  rows['view turned, warp off'] = await turned();  // In one picture, blended by the host.
   await page.getByTestId('warp-switch').check();
   await done('surface skin visible=no');
 } else {

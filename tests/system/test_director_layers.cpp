@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "host/serve/server/encode.hpp"
 #include "tests/host/serve/headset_words.hpp"
 #include "tests/system/theatre.hpp"
 
@@ -117,6 +118,47 @@ TEST_CASE("a state at rest is drawn in layers once, and only if a viewer wants d
     for (const serve::Shown& frame : stage.watchers.frames) {
         CHECK(frame.layers == 1);
     }
+}
+
+TEST_CASE("the only transparent surface has no holes in a moving picture") {
+    Theatre stage;
+    int id = 0;
+    const auto does = [&](const std::string& line) {
+        stage.watchers.frames.clear();
+        stage.watchers.does(++id, line);
+        stage.settle();
+        REQUIRE(stage.watchers.reply(id)["ok"] == true);
+    };
+    const auto drawn = [&] { return stage.director.session().frames.draw_samples(1).value(); };
+    const std::string name = stage.watchers.last("state")["surfaces"][0]["name"];
+    does("clip P 0");
+    does("surface second iso=0.3 opacity=0.375");
+    std::string line;
+    SUBCASE("of a new isovalue, with viewers who want depths") {
+        stage.watchers.wants_depths = true;
+        line = "surface second iso=0.35";
+    }
+    SUBCASE("of a new isovalue, without such viewers") {
+        line = "surface second iso=0.35";
+    }
+    SUBCASE("of the other surface") {
+        line = "surface " + name + " iso=0.6";
+    }
+    SUBCASE("of another camera") {
+        line = "view 10 20";
+    }
+    does(line);
+    REQUIRE(!stage.watchers.frames.empty());
+    const serve::Shown frame = stage.watchers.frames[0];
+    CHECK(!frame.rests);
+    CHECK(frame.layers == 1);
+    CHECK(frame.depths.empty());
+    does("surface second visible=no");
+    Words layers = drawn().rgba.copy();
+    does("surface second visible=yes opacity=1");
+    const Picture whole = drawn();
+    layers.insert(layers.end(), whole.rgba.begin(), whole.rgba.end());
+    CHECK(frame.pixels == blended(layers, 1, 6));
 }
 
 TEST_CASE("with one transparent surface each eye has two layers, with more they are left out") {

@@ -149,6 +149,7 @@ class Director {
     ReadBack read_back() const;
     bool lacks_layers() const;
     bool draw_layers();
+    bool draw_blended();
     void show(Picture picture, int samples, bool rests, bool last);
     void show_frame(Shown frame);
     bool has_picture() const;

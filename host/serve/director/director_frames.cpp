@@ -23,6 +23,15 @@ PairForm form_of(ReadBack reads) {
     return reads == ReadBack::pixels_and_depths ? PairForm::apart : PairForm::composed;
 }
 
+/// The words of a picture, and after them those of another one.
+std::vector<std::uint32_t> stacked(const SharedWords& top, const SharedWords& below) {
+    std::vector<std::uint32_t> words;
+    words.reserve(top.size() + below.size());
+    words.insert(words.end(), top.begin(), top.end());
+    words.insert(words.end(), below.begin(), below.end());
+    return words;
+}
+
 }  // namespace
 
 bool Director::has_picture() const {
@@ -82,13 +91,6 @@ bool Director::draw_layers() {
     frame.height = layers->behind.height;
     frame.layers = 2;
     frame.opacity = layers->opacity;
-    const auto stacked = [](const SharedWords& top, const SharedWords& below) {
-        std::vector<std::uint32_t> words;
-        words.reserve(top.size() + below.size());
-        words.insert(words.end(), top.begin(), top.end());
-        words.insert(words.end(), below.begin(), below.end());
-        return words;
-    };
     frame.pixels = stacked(layers->behind.rgba, layers->front.rgba);
     frame.depths = stacked(layers->behind.depths, layers->front.depths);
     frame.as_one = [pixels = frame.pixels, width = frame.width, height = frame.height,
@@ -98,6 +100,18 @@ bool Director::draw_layers() {
     show_frame(std::move(frame));
     shown_.layers_revision = revision_;
     return true;
+}
+
+/// Draws a moving picture whose only transparent surface has no holes. Returns false if other
+/// surfaces are transparent.
+bool Director::draw_blended() {
+    const std::optional<Frames::Layers> layers = session_->frames.draw_layers();
+    if (layers) {
+        const auto& [behind, front, opacity] = *layers;
+        show({behind.width, behind.height, blended(stacked(behind.rgba, front.rgba), 1, opacity)},
+             1, false, false);
+    }
+    return layers.has_value();
 }
 
 /// Moving pictures: the size is limited by the time of a frame, unless each row of the picture
@@ -191,9 +205,10 @@ bool Director::draw_moving() {
     const std::uint32_t revision = revision_;
     guard("drawing", [&] {
         draw_as_moving([&] {
-            // Layers take two frames, and only help viewers while the camera moves.
+            // Viewers need the layers themselves only while the camera moves.
             const bool is_turned = shown_.camera != session_->scene.camera;
-            if (!is_turned || !lacks_layers() || !draw_layers()) {
+            const bool is_drawn = is_turned && lacks_layers() ? draw_layers() : draw_blended();
+            if (!is_drawn) {
                 const ReadBack reads = read_back();
                 show(session_->frames.draw_samples(1, {}, reads, form_of(reads)).value(), 1, false,
                      false);

@@ -81,7 +81,7 @@ afterAll(() => links.forEach(link => link.close()));
 async function openBehindLink(script = prepare) {
   const link = await slowLink(server.url, FAST);
   links.push(link);
-  // Without warp, a moving picture has a screen door as the snapshot has.
+  // Without warp, the page shows the moving pictures themselves.
   const opened = await openPage(browser, `${link.url}&warp=off`,
                                 { script, viewport: { width: 900, height: 560 } });
   await settled(opened.page);
@@ -119,18 +119,26 @@ async function turnUntil(page, kind) {
   throw new Error(`moving pictures are not ${kind} after ${MOST_TURNS} turns`);
 }
 
-/** In the page: how the shown video frame of a revision compares with its exact picture. */
-async function compareVideo({ exact, revision }) {
+/**
+ * In the page: how the shown video frame of a revision compares with its exact picture, which is
+ * the mean of two layers: all but the transparent surface, and all with this surface opaque.
+ */
+async function compareVideo({ behind, front, opacity, revision }) {
   const frame = globalThis.shown.find(each => each.revision === revision && each.pixels);
-  const bytes = Uint8Array.from(atob(exact), letter => letter.charCodeAt(0));
-  const draw = async file => {
+  const draw = async (file, over, alpha) => {
     const bitmap = await createImageBitmap(file);
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
     const context = canvas.getContext('2d');
     context.drawImage(bitmap, 0, 0);
+    if (over) {
+      context.globalAlpha = alpha;
+      context.drawImage(await createImageBitmap(over), 0, 0);
+    }
     return { canvas, pixels: context.getImageData(0, 0, bitmap.width, bitmap.height).data };
   };
-  const { canvas, pixels } = await draw(new Blob([bytes], { type: 'image/png' }));
+  const [below, above] = [behind, front].map(text => new Blob(
+    [Uint8Array.from(atob(text), letter => letter.charCodeAt(0))], { type: 'image/png' }));
+  const { canvas, pixels } = await draw(below, above, opacity);
   const psnr = other => {
     let sum = 0;
     for (let i = 0; i < pixels.length; i++) sum += (pixels[i] - other[i]) ** 2;
@@ -165,14 +173,18 @@ test('over a slow link, moving pictures are a video of less than half the bytes'
     const frame = moving.find(each => each.revision === revision);
     if (!frame) continue;
     // A busy machine draws moving pictures smaller.
-    const { size } = await state(page), file = path.join(server.folder, `exact-${i}.png`);
-    for (const line of [`size ${frame.width}x${frame.height}`, `snapshot ${file}`,
+    const { size, surfaces } = await state(page);
+    const { opacity } = surfaces.find(({ name }) => name === 'skin');
+    const files = ['behind', 'front'].map(name => path.join(server.folder, `${name}-${i}.png`));
+    for (const line of [`size ${frame.width}x${frame.height}`, 'surface skin visible=no',
+                        `snapshot ${files[0]}`, 'surface skin visible=yes opacity=1',
+                        `snapshot ${files[1]}`, `surface skin opacity=${opacity}`,
                         `size ${size.join('x')}`]) {
       const { ok, error } = await say(raw, line);
       assert.ok(ok, error);
     }
-    const exact = readFileSync(file).toString('base64');
-    const pair = await page.evaluate(compareVideo, { exact, revision });
+    const [behind, front] = files.map(file => readFileSync(file).toString('base64'));
+    const pair = await page.evaluate(compareVideo, { behind, front, opacity, revision });
     compared.push(pair);
   }
   assert.equal(compared.length, COMPARED, 'the last moving pictures were compared');
