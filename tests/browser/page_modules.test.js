@@ -320,36 +320,80 @@ test('the eyes are apart along the rows, and see the plane of convergence at one
   near([a.x, a.y], [b.x, b.y], 1e-9);
 });
 
-test('one picture for each refresh of the screen, and the first at once', async () => {
+/** Runs with refreshes of the screen that the test makes. */
+async function withScreen(act) {
   const waiting = [];
   globalThis.requestAnimationFrame = wake => waiting.push(wake);
-  const refreshed = () => { waiting.splice(0).forEach(wake => wake(0)); };
-  const turn = () => new Promise(resolve => setImmediate(resolve));
-  const refresh = new Refresh(), drawn = [];
-  const draw = async name => {
-    await refresh.room();
-    drawn.push(name);
-  };
+  const task = () => new Promise(resolve => setTimeout(resolve));
   try {
-    void draw('a');
-    await turn();
-    assert.deepEqual(drawn, ['a']);
-    void draw('b');
-    await turn();
-    assert.deepEqual(drawn, ['a'], 'the screen has not shown it yet');
-    refreshed();
-    await turn();
-    assert.deepEqual(drawn, ['a', 'b']);
-    refreshed();
-    await turn();
-    void draw('c');
-    await turn();
-    assert.deepEqual(drawn, ['a', 'b', 'c'], 'the screen has shown b');
-    void draw('d');
-    refresh.isWorn = true;  // The window may have no refresh now.
-    await turn();
-    assert.deepEqual(drawn, ['a', 'b', 'c', 'd']);
+    await act({ begin: () => waiting.splice(0).forEach(wake => wake(0)), task });
   } finally {
     delete globalThis.requestAnimationFrame;
+  }
+}
+
+test('the screen shows each picture that has room, and the first at once', () =>
+  withScreen(async ({ begin, task }) => {
+    const refresh = new Refresh(), drawn = [];
+    const draw = name => refresh.room().then(() => drawn.push(name));
+    void draw('a');
+    await task();
+    assert.deepEqual(drawn, ['a']);
+    void draw('b');
+    await task();
+    assert.deepEqual(drawn, ['a'], 'the screen does not show a yet');
+    begin();
+    await Promise.resolve();
+    assert.deepEqual(drawn, ['a'], 'b would replace a in this refresh');
+    await task();
+    await task();
+    assert.deepEqual(drawn, ['a', 'b']);
+    begin();
+    await task();
+    await task();
+    void draw('c');
+    await task();
+    assert.deepEqual(drawn, ['a', 'b', 'c'], 'the screen shows b');
+  }));
+
+test('a headset ends all waits for the screen, which may have no refresh then', () =>
+  withScreen(async ({ task }) => {
+    const refresh = new Refresh(), done = [];
+    await refresh.room();
+    await task();
+    void refresh.next().then(() => done.push('next'));
+    void refresh.room().then(() => done.push('room'));
+    await task();
+    assert.deepEqual(done, []);
+    refresh.isWorn = true;
+    await task();
+    await task();
+    assert.deepEqual(done, ['next', 'room']);
+    await refresh.room();
+    await refresh.next();
+  }));
+
+test('a JPEG that WebCodecs does not decode is read as a blob, and so are later ones', async () => {
+  const asked = [];
+  globalThis.ImageDecoder = class {
+    decode() {
+      asked.push('decoder');
+      return Promise.reject(new Error('no'));
+    }
+    close() { asked.push('closed'); }
+  };
+  globalThis.createImageBitmap = async source => {
+    asked.push(source.type);
+    return source;
+  };
+  try {
+    const {bitmapOfFile} =
+      await import('../../host/serve/page/picture/bitmaps.js?with=decoder');
+    const picture = new Uint8Array([1]);
+    for (const kind of ['png', 'jpeg', 'jpeg']) await bitmapOfFile({ header: { kind }, picture });
+    assert.deepEqual(asked, ['image/png', 'decoder', 'closed', 'image/jpeg', 'image/jpeg']);
+  } finally {
+    delete globalThis.ImageDecoder;
+    delete globalThis.createImageBitmap;
   }
 });

@@ -33,9 +33,9 @@ export function loadPairs() {
   /** A pair, decoded; each of its eyes as modules.judge takes it. */
   modules.openPair = async pose => {
     const { eyes, message } = globalThis.pairs.get(pose);
-    const { header, picture, depths } = modules.messages.parseFrame(message);
+    const frame = modules.messages.parseFrame(message), { header, depths } = frame;
     const { width, height, layers } = header;
-    const bitmap = await createImageBitmap(new Blob([picture], { type: 'image/jpeg' }));
+    const bitmap = await modules.bitmaps.bitmapOfFile(frame);
     const context = new OffscreenCanvas(width, bitmap.height).getContext('2d');
     context.drawImage(bitmap, 0, 0);
     const leans = await Promise.all(depths.map(each => modules.lean.unpack(each, width, height)));

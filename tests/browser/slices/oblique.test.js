@@ -7,8 +7,10 @@ import { after, canvasPixels, middleOf, rawSocket, say, settled, state } from '.
 
 const NOTCH = 120;
 
+let raw;
+
 usePage(undefined, async () => {
-  const raw = await rawSocket(page, server.url);
+  raw = await rawSocket(page, server.url);
   await byId('tab-slices').click();
   await settled(page);
   await after(page, () => say(raw, 'load phantom:sphere'),
@@ -35,7 +37,7 @@ async function crosshair() {
 async function changed(id, before) {
   for (;;) {
     const now = await pixelsOf(id);
-    if (JSON.stringify(now) !== JSON.stringify(before)) return now;
+    if (!before || Buffer.compare(now, before) !== 0) return now;
   }
 }
 
@@ -53,6 +55,22 @@ test('an open oblique slice is a dashed line in the others', async () => {
   slices.forEach((name, k) => assert.notDeepEqual(now[k], before[k], name));
   await byId('slice-oblique').scrollIntoViewIfNeeded();
   await shoot(page, 'slices_oblique');
+});
+
+test('its line is right after other volumes while the slices were hidden', async () => {
+  const slices = ['slice-axial', 'slice-coronal', 'slice-sagittal'];
+  const before = await Promise.all(slices.map(pixelsOf));
+  await byId('tab-volume').click();
+  for (const name of ['pelvis', 'sphere']) {
+    await after(page, () => say(raw, `load phantom:${name}`),
+                now => now.volume?.name.includes(name));
+  }
+  await byId('tab-slices').click();
+  for (const [k, name] of slices.entries()) {
+    const isAsBefore = async () => Buffer.compare(await pixelsOf(name), before[k]) === 0;
+    for (let i = 0; i < 100 && !await isAsBefore(); i++);
+    assert.ok(await isAsBefore(), name);
+  }
 });
 
 test('the pointer tells an interpolated value, near the crosshair that of its voxel', async () => {

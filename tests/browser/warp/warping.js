@@ -32,14 +32,15 @@ export async function loadModules() {
   const modules = { camera: await load('picture/camera.js'),
                     lean: await load('picture/lean_depths.js'),
                     painter: await load('picture/warp_painter.js'),
+                    bitmaps: await load('picture/bitmaps.js'),
                     messages: await load('link/messages.js') };
   /**
    * A kept frame, decoded. `pixels` has red, green, blue, alpha of the layers over each other, each
    * where it shows a surface; `flat` has the mean of both layers everywhere.
    */
   modules.open = async ({ message, state }) => {
-    const { header, picture, depths } = modules.messages.parseFrame(message);
-    const bitmap = await createImageBitmap(new Blob([picture], { type: `image/${header.kind}` }));
+    const frame = modules.messages.parseFrame(message), { header, depths } = frame;
+    const bitmap = await modules.bitmaps.bitmapOfFile(frame);  // Decoders of JPEG differ a little.
     const { width, height, layers } = header;
     const context = new OffscreenCanvas(width, layers * height).getContext('2d');
     context.drawImage(bitmap, 0, 0);

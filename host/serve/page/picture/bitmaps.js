@@ -2,17 +2,29 @@
 import {LIMITS} from '../link/vocabulary.js';
 import {drawPair} from './compose.js';
 
+/** Whether WebCodecs decodes JPEG: only in secure contexts, and not after a failure. */
+let hasDecoder = 'ImageDecoder' in globalThis;
+
 /**
- * Decodes a frame. Browsers read a blob by way of another process, which takes longer than to
- * decode a moving picture. So a JPEG goes to WebCodecs, where there are some (secure contexts).
+ * Decodes a frame. A browser reads a blob through another process, which takes longer than decoding
+ * a moving picture. So WebCodecs decodes JPEG, if the browser can.
  * @param {import('../link/connection.js').Frame} frame  A JPEG or PNG.
  */
 export async function bitmapOfFile({header, picture}) {
   const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
   const data = /** @type {any} */ (picture);
-  if (header.kind === 'png' || !('ImageDecoder' in globalThis)) {
-    return createImageBitmap(new Blob([data], {type}));
+  if (header.kind !== 'png' && hasDecoder) {
+    try {
+      return await decoded(type, data);
+    } catch {
+      hasDecoder = false;
+    }
   }
+  return createImageBitmap(new Blob([data], {type}));
+}
+
+/** @param {string} type @param {any} data */
+async function decoded(type, data) {
   const decoder = new ImageDecoder({type, data});
   try {
     const {image} = await decoder.decode();

@@ -34,9 +34,9 @@ export function noHeadsetFigures() {
  * @property {boolean} last             Whether it was the last refinement.
  * @property {number} samples           Samples per pixel of it.
  * @property {string} digest            Digest of the last resting frame.
- * @property {number[]} latency_ms      Latest inputs: from sending to the displayed frame with
- *                                      a revision at or after the reply's.
- * @property {number[]} frame_times_ms  When the last frames were displayed (performance.now()).
+ * @property {number[]} latency_ms      Latest inputs: from sending until a frame with a revision at
+ *                                      or after the reply's is drawn. The next refresh shows it.
+ * @property {number[]} frame_times_ms  When the last frames were drawn (performance.now()).
  * @property {import('./warp.js').WarpFigures | null} warp
  * @property {HeadsetFigures} headset
  * @property {import('./video.js').VideoFigures | null} video

@@ -24,7 +24,7 @@ export class ObliquePane {
    * @param {import('../link/connection.js').Connection} connection
    * @param {SliceView} view
    * @param {object} events
-   * @param {() => void} events.changed   The plane is another one, or the slice is not shown.
+   * @param {() => void} events.changed   The plane may be another one, or not shown.
    * @param {(slice: import('./slice_pixels.js').Slice) => void} events.shown  To be shown.
    * @param {(sentence: string) => void} events.failed
    */
@@ -37,7 +37,6 @@ export class ObliquePane {
     /** A place of the plane, mm: in the voxel of the crosshair. @private @type {Vector} */
     this.place_ = [0, 0, 0];
     /** @private What the contours depend on. */ this.of_ = '';
-    /** @private The plane of the last `changed`. */ this.told_ = '';
     /** @private */
     this.source_ = new SliceSource(connection, {slice: shown, failed});
     /** @private */
@@ -153,10 +152,6 @@ export class ObliquePane {
     if (plane && volume) {
       this.source_.want({axis: 'oblique', oblique: {grid: volume, plane}}, of);
     }
-    const equation = String(this.equation);
-    if (equation !== this.told_) {  // To paint all slices takes long.
-      this.told_ = equation;
-      this.changed_();
-    }
+    this.changed_();
   }
 }

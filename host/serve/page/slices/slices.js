@@ -55,6 +55,8 @@ export class SlicesPanel {
     this.planes = [];
     /** Number of opened volumes. */
     this.opened = 0;
+    /** The planes whose lines the views have, as JSON. */
+    this.lines = '';
     /** The settings that the contours depend on, as JSON. */
     this.contours = '';
     /** @type {ReturnType<typeof setTimeout> | undefined} */
@@ -163,9 +165,12 @@ export class SlicesPanel {
   /** Shows where clip planes and the oblique slice cut the slices. */
   cut() {
     const {volume} = this, clips = this.app.store.state?.clips.map(({plane}) => plane) ?? [];
-    const other = this.oblique.equation;
-    this.views().forEach(view =>
-      view.setCuts(slice => volume ? cutsOf(slice, volume, clips, other) : []));
+    const other = this.oblique.equation, lines = JSON.stringify([this.opened, clips, other]);
+    if (lines !== this.lines) {  // Painting all slices takes long.
+      this.lines = lines;
+      this.views().forEach(view =>
+        view.setCuts(slice => volume ? cutsOf(slice, volume, clips, other) : []));
+    }
   }
 
   /**
@@ -256,7 +261,6 @@ export class SlicesPanel {
       count.textContent = '';
     }
     this.oblique.open(volume);
-    this.cut();
     if (!volume) {
       return;
     }
