@@ -23,8 +23,8 @@ class Growing {
     Growing(Growing&& other) noexcept
         : memory_(std::move(other.memory_)), size_(std::exchange(other.size_, 0)) {}
     Growing& operator=(Growing&& other) noexcept {
-        std::swap(memory_, other.memory_);
-        std::swap(size_, other.size_);
+        memory_ = std::move(other.memory_);
+        size_ = std::exchange(other.size_, 0);
         return *this;
     }
 

@@ -115,9 +115,11 @@ class Frames {
                       double degrees = 360);
 
     /// Announces that the next new surface is drawn once it is extracted, in this way and with one
-    /// sample: as layers if draw_layers() can draw the scene. Surfaces::set() then requests the
-    /// frame, or both frames of the layers, together with the surface. Nothing: no such frame.
-    void announce(const std::optional<Moving>& moving);
+    /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
+    /// frame.
+    ///
+    /// as_layers  draw_layers() follows, if it can draw the scene: its two frames are requested.
+    void announce(const std::optional<Moving>& moving, bool as_layers = false);
     /// Requests the announced frame, if any. The next drawing takes the frame if it shows what is
     /// drawn, else drops the frame.
     void request_announced();
@@ -205,6 +207,7 @@ class Frames {
     Nodes& nodes_;
     std::uint32_t next_frame_ = 0;
     std::optional<Moving> announced_;
+    bool announces_layers_ = false;
     std::optional<Ahead> ahead_;
     std::deque<Pending> pending_;
     std::deque<Picture> finished_;

@@ -77,9 +77,10 @@ Frames::Layers Frames::take_layers(const SurfaceLayers& layers) {
     return drawn;
 }
 
-void Frames::announce(const std::optional<Moving>& moving) {
+void Frames::announce(const std::optional<Moving>& moving, bool as_layers) {
     drop_ahead();
     announced_ = moving;
+    announces_layers_ = as_layers;
 }
 
 void Frames::request_announced() {
@@ -89,7 +90,10 @@ void Frames::request_announced() {
         scene.detail = {false, moving->detail};
         const Stage seen = stage(scene);
         ahead_ = {next_frame_, key_of(scene)};
-        if (seen.cameras.size() == 1 && (ahead_->layers = surface_layers(scene, seen))) {
+        if (announces_layers_ && seen.cameras.size() == 1) {
+            ahead_->layers = surface_layers(scene, seen);
+        }
+        if (ahead_->layers) {
             request_layers(scene, seen, *ahead_->layers);
         } else {
             request(scene, seen);

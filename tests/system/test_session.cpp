@@ -171,6 +171,15 @@ TEST_CASE("a sweep shows each isovalue and leaves the surface as it was") {
     CHECK(session.surfaces.find("s")->isovalue == 300.5);
     CHECK(session.frames.draw().rgba == before.rgba);
 
+    // With a screen door, too, a picture is one frame.
+    session.scene.surfaces[0].opacity = 8;
+    const Picture behind_door = session.frames.draw();
+    const std::uint32_t frame = session.frames.last().frame;
+    session.surfaces.sweep("s", isovalues, [](int, const Picture&, const SurfaceReport&) {});
+    CHECK(session.frames.last().frame == frame + 3);
+    CHECK(session.frames.draw().rgba == behind_door.rgba);
+    session.scene.surfaces[0].opacity = full_opacity;
+
     CHECK_THROWS_AS(session.surfaces.sweep("s", isovalues,
                                            [](int, const Picture&, const SurfaceReport&) {
                                                throw RequestError(ExitCode::failed,
@@ -249,7 +258,7 @@ TEST_CASE("announced layers are requested with the surface, and drawn once") {
     session.surfaces.set("t", 0.3, CaseRule::watertight, {20, 200, 20});
     session.scene.surfaces[1].opacity = 6;
     const auto announce = [&] {
-        session.frames.announce(Frames::Moving{session.scene.size, 0});
+        session.frames.announce(Frames::Moving{session.scene.size, 0}, true);
         session.surfaces.set("s", 0.6, CaseRule::watertight, gray);
         REQUIRE(session.frames.has_frame_ahead());
     };

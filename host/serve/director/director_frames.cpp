@@ -79,8 +79,8 @@ void Director::show_frame(Shown frame) {
     send_drawn(std::move(frame));
 }
 
-/// Draws a moving picture whose only transparent surface is a layer of its own. Returns false if
-/// other surfaces are transparent.
+/// Draws a moving picture whose only transparent surface is a layer of its own. Returns false if no
+/// surface is transparent, or several are, and in stereo.
 bool Director::draw_layers() {
     std::optional<Frames::Layers> layers = session_->frames.draw_layers();
     if (!layers) {
@@ -102,8 +102,7 @@ bool Director::draw_layers() {
     return true;
 }
 
-/// Draws a moving picture whose only transparent surface has no holes. Returns false if other
-/// surfaces are transparent.
+/// The same as one picture: the mean of the layers, without the holes of a screen door.
 bool Director::draw_blended() {
     const std::optional<Frames::Layers> layers = session_->frames.draw_layers();
     if (layers) {
@@ -169,7 +168,7 @@ void Director::announce_frame(const Arguments& command) {
         draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
     // A filter of components selects the triangles only after the extraction.
     const bool is_ahead = draws && (!known || known->components.kind == ComponentFilter::Kind::all);
-    session_->frames.announce(is_ahead ? std::optional(moving()) : std::nullopt);
+    session_->frames.announce(is_ahead ? std::optional(moving()) : std::nullopt, true);
 }
 
 /// Draws with the size and the detail of moving pictures.

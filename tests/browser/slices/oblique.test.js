@@ -117,7 +117,6 @@ test('the wheel moves the plane along its normal, angles turn it', async () => {
 });
 
 test('the command oblique shows the same plane', async () => {
-  const raw = await rawSocket(page, server.url);
   // The pixels of the last volume are larger than its voxels: they would be more than 512.
   for (const line of ['load phantom:sphere', 'load phantom:letters',
     'load phantom:sphere resample=600x500x20']) {

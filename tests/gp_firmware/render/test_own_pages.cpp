@@ -50,8 +50,8 @@ TEST_SUITE("gp/own pages") {
 
     TEST_CASE("growing leaves no memory over, and unwritten pages take none") {
         // As a GP: else the C library itself would return large blocks.
-        mallopt(M_MMAP_THRESHOLD, 1 << 30);
-        mallopt(M_TRIM_THRESHOLD, 1 << 30);
+        REQUIRE(mallopt(M_MMAP_THRESHOLD, 1 << 30) == 1);
+        REQUIRE(mallopt(M_TRIM_THRESHOLD, 1 << 30) == 1);
         constexpr std::size_t step = 1 << 20, written = 64 << 20;
         const std::size_t before = resident_bytes();
         OwnPages pages;
@@ -100,6 +100,9 @@ TEST_SUITE("gp/own pages") {
         *list.append(1) = 4;  // NOLINT(bugprone-use-after-move): it is empty.
         CHECK(list.size() == 1);
         taken = std::move(list);
+        CHECK(taken.values().front() == 4);
+        CHECK(list.empty());  // NOLINT(bugprone-use-after-move): it is.
+        CHECK_THROWS_AS(taken.append(std::numeric_limits<std::size_t>::max()), std::bad_alloc);
         CHECK(taken.values().front() == 4);
     }
 }

@@ -17,9 +17,16 @@ export async function bitmapOfFile({header, picture}) {
     try {
       return await decoded(type, data);
     } catch {
-      hasDecoder = false;
+      const bitmap = await bitmapOfBlob(type, data);
+      hasDecoder = false;  // The picture is intact.
+      return bitmap;
     }
   }
+  return bitmapOfBlob(type, data);
+}
+
+/** @param {string} type @param {any} data */
+function bitmapOfBlob(type, data) {
   return createImageBitmap(new Blob([data], {type}));
 }
 

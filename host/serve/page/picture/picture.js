@@ -307,7 +307,8 @@ export class PictureView {
       return;
     }
     try {
-      await (leans ? this.refresh.next() : this.refresh.room());
+      await this.refresh.room();
+      await (leans && this.refresh.next());  // A warped picture is drawn at refreshes.
       if (header.revision >= this.leastRevision_) {
         this.draw_(header, bitmap, leans);
       }
