@@ -5,9 +5,9 @@
 
 namespace pxpl5::gp {
 
-/// A block of memory for a list that only grows. From `least_bytes` on, the block consists of pages
-/// of its own, which the kernel moves (mremap). Nothing is copied, no older block of half the size
-/// is left over, and unwritten pages take no memory. Smaller blocks come from the C library.
+/// A block of memory for a list that only grows. Blocks of at least `least_bytes` are mapped
+/// separately and grow with mremap: the kernel moves their pages and copies no bytes. No smaller
+/// block is left behind in the heap, and unwritten pages use no RAM. Smaller blocks use malloc.
 class OwnPages {
   public:
     static constexpr std::size_t least_bytes = std::size_t{1} << 20;

@@ -12,8 +12,8 @@ namespace pxpl5::host {
 
 /// The rate of a network, from the times that answers with and without bytes take.
 ///
-/// Answers are late by chance, as computers do other things, but never early. So the shortest time
-/// of each kind counts. A single late answer without bytes would make a slow network seem fast.
+/// A busy computer may answer late, but no answer comes early. So the shortest time of each kind is
+/// used: if the delay came from one late empty answer, the computed rate would be too high.
 class NetworkRate {
   public:
     /// Adds the time of a question with an answer without bytes.
@@ -44,10 +44,10 @@ class NetworkRate {
 /// nothing if it comes too late.
 using AskForBytes = std::function<std::optional<std::int64_t>(std::uint32_t bytes)>;
 
-/// Measures the rate of a network with few questions, in 10^6 bytes per second. The first answers
-/// have no bytes, and the next ones few: on a slow network, a large answer would hold up the beats
-/// of its computer. Large answers are asked for where the small ones were fast. Returns nothing if
-/// no answer with bytes, or no large one, has come.
+/// Measures the rate of a network, in 10^6 bytes per second: first with empty answers, then with
+/// small ones, and with large ones only if the small ones were fast. On a slow network, a large
+/// answer would delay the heartbeats of its computer. Returns nothing if the empty answers, the
+/// first small one or the first large one do not arrive in time.
 std::optional<double> measured_mb_s(const AskForBytes& ask);
 
 /// Sizes of the answers with bytes.
