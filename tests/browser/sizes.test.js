@@ -5,6 +5,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { lookFor } from './layout.js';
 import { browser, openPage, server, shoot, useServer } from './harness.js';
+import { holdMessages } from './holding.js';
 import { after, settled, stateWhen } from './steps.js';
 import { writeEllipsoid } from './volumes.js';
 
@@ -147,6 +148,24 @@ test('the picture has the size of the page that is used, after another one has g
   await mine.page.mouse.move(box.x + box.width / 2, box.y + box.height / 2, { steps: 3 });
   await stateWhen(mine.page, (now, own) => now.size.join('x') === own, own);
   await mine.close();
+});
+
+test('a panel that is small for a moment leaves no small picture if the state is late', async () => {
+  const { page, close } = await openPage(browser, server.url, { script: holdMessages });
+  await settled(page);
+  const { size } = await page.evaluate(() => globalThis.pxpl5.state);
+  const replies = await page.evaluate(() => {
+    globalThis.holds = 'state';
+    return globalThis.replies;
+  });
+  for (const [wanted, height] of [[1, 600], [2, 720]]) {
+    await page.setViewportSize({ width: 1280, height });
+    await page.waitForFunction(least => globalThis.replies >= least, replies + wanted);
+  }
+  await page.evaluate(() => globalThis.release());
+  await settled(page);
+  assert.deepEqual((await page.evaluate(() => globalThis.pxpl5.state)).size, size);
+  await close();
 });
 
 test('scale bar and letters stand out on white as on black', async () => {

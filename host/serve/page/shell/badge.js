@@ -111,6 +111,19 @@ function sizeMenu(app) {
     h('option', {value: ''}, 'fit to panel'), ...SIZES.map(each => h('option', {value: each},
       each.replace('x', ' × '))));
   let timer = 0;
+  // What this page has requested and has not seen in a state yet.
+  let requested = '', requestedRevision = 0;
+  const request = (/** @type {string} */ size) => {
+    requested = size;
+    requestedRevision = Infinity;
+    void app.connection.set({name: 'size', words: [size]}).then(({ok, revision = 0}) => {
+      if (requested === size) {
+        requestedRevision = ok ? revision : 0;
+      }
+    });
+  };
+  const newestSize = (/** @type {import('../link/vocabulary.js').State} */ {revision, size}) =>
+    revision < requestedRevision ? requested : size.join('x');
   // Another viewer may have set the size for its own panel. It stays until this page is used:
   // two pages that follow at once would take the size from each other for ever.
   // Not before a click is answered: it names a pixel of the size that is shown.
@@ -126,8 +139,8 @@ function sizeMenu(app) {
     const isFollowing = menu.value === '' && !app.picture.stage.hidden;
     if (isFollowing && app.store.state && !app.connection.watches) {
       const wished = sizeOf(app.picture.stage, partsOf(app.store.state.stereo).length);
-      if (wished !== app.store.state.size.join('x')) {
-        void app.connection.set({name: 'size', words: [wished]});
+      if (wished !== newestSize(app.store.state)) {
+        request(wished);
       }
     }
   };
@@ -135,7 +148,7 @@ function sizeMenu(app) {
     if (menu.value === '') {
       follow();
     } else {
-      void app.connection.set({name: 'size', words: [menu.value]});
+      request(menu.value);
     }
     menu.blur();
   });
@@ -147,7 +160,7 @@ function sizeMenu(app) {
   app.connection.on('reply', ({reply}) => {
     ownRevision = Math.max(ownRevision, reply.revision ?? 0);
   });
-  app.connection.on('lost', () => { ownRevision = 0; });
+  app.connection.on('lost', () => { ownRevision = requestedRevision = 0; });
   // One eye's picture fits half of the panel if the pictures lie side by side.
   app.store.subscribe(['stereo'], ({revision}) => {
     if (revision <= ownRevision) {
