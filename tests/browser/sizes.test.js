@@ -150,7 +150,8 @@ test('the picture has the size of the page that is used, after another one has g
   await mine.close();
 });
 
-test('a panel that is small for a moment leaves no small picture if the state is late', async () => {
+test('a panel that is small for a moment leaves no small picture, though the state is late',
+     async () => {
   const { page, close } = await openPage(browser, server.url, { script: holdMessages });
   await settled(page);
   const { size } = await page.evaluate(() => globalThis.pxpl5.state);
