@@ -58,6 +58,7 @@ Fields volume_identity(const Session& session) {
             {"y_mm", triple_of(glm::dvec3(m[1]))},
             {"z_mm", triple_of(glm::dvec3(m[2]))},
             {"read_as", Fields{{"series", options.series},
+                               {"frame", std::int64_t{options.frame}},
                                {"raw", raw_text(options)},
                                {"spacing_mm", options.spacing_mm},
                                {"orientation", options.orientation},

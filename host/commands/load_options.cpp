@@ -12,6 +12,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr int max_voxels = static_cast<int>(max_volume_voxels);
+constexpr int max_frames = 1'000'000;
 
 std::vector<std::string> split(std::string_view text, char separator) {
     std::vector<std::string> parts(1);
@@ -86,6 +87,7 @@ void take_raw(const std::string& text, ImportOptions& options) {
 std::vector<Parameter> load_option_list() {
     return {
         {"series", "N", "number of the series in a DICOM folder; 'info' lists the series"},
+        whole_value("frame", "N", 1, max_frames, "volume of a time series, from 1"),
         {"crop", "A:B,C:D,E:F", "first and last voxel to keep along x, y and z"},
         {"resample", "XxYxZ", "new number of voxels"},
         {"resample_mm", "X,Y,Z", "new spacing in millimeters"},
@@ -106,6 +108,7 @@ std::vector<Parameter> load_option_list() {
 ImportOptions load_options(const Arguments& arguments) {
     ImportOptions options;
     options.series = arguments.text("series", "");
+    options.frame = static_cast<std::uint32_t>(arguments.number("frame", 0));
     if (arguments.has("spacing")) {
         options.spacing_mm = spacing("spacing", arguments);
     }

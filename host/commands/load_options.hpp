@@ -6,7 +6,7 @@
 
 namespace pxpl5::host {
 
-/// The options of load and info: series=, spacing=X,Y,Z, orientation=ABC, origin=X,Y,Z,
+/// The options of load and info: series=, frame=N, spacing=X,Y,Z, orientation=ABC, origin=X,Y,Z,
 /// raw=XxYxZ,TYPE[,be][,OFFSET], crop=A:B,C:D,E:F (first and last voxel kept), resample=XxYxZ,
 /// resample_mm=X,Y,Z, smooth=MM. Throws RequestError naming the option and both values.
 ImportOptions load_options(const Arguments& arguments);

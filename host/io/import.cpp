@@ -10,6 +10,7 @@
 #include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
+#include "host/io/formats/read_header.hpp"
 #include "host/io/formats/scan_values.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/values/header_text.hpp"
@@ -25,20 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr int max_folder_depth = 8;
 constexpr std::size_t max_folder_files = 65'536;
-
-StoredHeader read_header(const fs::path& path, Format format, const AllowedFolders& allowed) {
-    switch (format) {
-        case Format::nrrd:
-            return read_nrrd_header(path, allowed);
-        case Format::meta_image:
-            return read_meta_header(path, allowed);
-        case Format::vtk:
-            return read_vtk_header(path);
-        default:
-            break;
-    }
-    return read_nifti_header(path, allowed);
-}
 
 /// True if `file` lies in `folder` or below. Both have no links.
 bool lies_in(const fs::path& file, const fs::path& folder) {
@@ -234,9 +221,11 @@ void report_left_out(const FolderFiles& files, Volume& volume) {
     const bool are_pictures = files.slices.empty();
     const std::size_t others = files.others - (are_pictures ? files.pictures.size() : 0);
     if (others > 0) {
+        const char* text = others == 1 ? "1 file is not a {0} and is left out"
+                                       : "{1} files are not {0}s and are left out";
         volume.findings.push_back(
-            {FindingKind::note, fmt::format("{} files are not {} and are left out", others,
-                                            are_pictures ? "pictures" : "DICOM images")});
+            {FindingKind::note,
+             fmt::format(fmt::runtime(text), are_pictures ? "picture" : "DICOM image", others)});
     }
 }
 
@@ -249,6 +238,7 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
                 ? fmt::format("{}: none of its {} files is a DICOM image", source, files.others)
                 : files.left_out.front().text);
     }
+    keep_one_kind(files.pictures);
     if (files.slices.empty() && request.read == ReadBy::gps) {
         refuse_gps(source, "pictures are decoded by the io process");
     }
@@ -298,10 +288,12 @@ Volume import_raw(const fs::path& path, const ImportRequest& request) {
 
 Volume import_checked(const fs::path& path, const ImportRequest& request) {
     if (request.raw) {
+        refuse_frame(path.string(), request);
         return import_raw(path, request);
     }
     const Format format = format_of(path);
     if (fs::is_directory(path)) {
+        refuse_frame(path.string(), request);
         return import_folder(path, request);
     }
     if (!request.series.empty() && format != Format::dicom) {
@@ -313,11 +305,13 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     switch (format) {
         case Format::dicom:
+            refuse_frame(path.string(), request);
             return import_dicom_file(path, request);
         case Format::pictures:
+            refuse_frame(path.string(), request);
             return read_pictures(path.string(), {path}, request);
         default:
-            return import_stored(path, read_header(path, format, request.allowed), request);
+            return import_stored(path, read_stored_header(path, format, request), request);
     }
 }
 
@@ -333,9 +327,10 @@ std::string name_of(const fs::path& path) {
 
 Volume import_phantom(const ImportRequest& request) {
     if (request.raw || request.spacing_mm || !request.series.empty() ||
-        !request.orientation.empty() || request.origin_mm) {
+        !request.orientation.empty() || request.origin_mm || request.frame > 1) {
         throw ImportError(request.path +
-                          ": a phantom has its own spacing, place, layout and series");
+                          ": a phantom has its own spacing, place, layout and series, and one "
+                          "volume");
     }
     if (request.read == ReadBy::gps) {
         throw ImportError(request.path + ": a phantom has no file that GPs could read (read=gps)");

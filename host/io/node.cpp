@@ -69,6 +69,7 @@ ImportRequest request_of(const schema::ImportVolume& wish) {
     request.read = wish.read();
     request.host_bytes = wish.host_bytes();
     request.reduced_bytes = wish.reduced_bytes();
+    request.frame = wish.frame();
     return request;
 }
 

@@ -20,7 +20,7 @@ bool is_plain(const ImportOptions& options) {
     return options.series.empty() && options.spacing_mm.empty() && !options.raw &&
            options.orientation.empty() && options.origin_mm.empty() && options.crop_first.empty() &&
            options.crop_size.empty() && options.resample_size.empty() &&
-           options.resample_spacing_mm.empty() && options.smooth_mm == 0 &&
+           options.resample_spacing_mm.empty() && options.smooth_mm == 0 && options.frame == 0 &&
            options.read != ReadBy::gps;
 }
 

@@ -67,6 +67,7 @@ void add_processing(Bytes& bytes, host::io::ImportRequest& request) {
     if ((choice & 16U) != 0) {
         request.spacing_mm = glm::dvec3(1, 2, 3);
     }
+    request.frame = (choice & 128U) != 0 ? bytes.take<std::uint8_t>() : 0;
     if ((choice & 32U) != 0) {
         request.orientation = (choice & 64U) != 0 ? "RAI" : "PSL";
         request.origin_mm = glm::dvec3(-10, 20, 30.5);

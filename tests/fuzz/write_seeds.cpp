@@ -138,6 +138,9 @@ void write_volumes(const Seeds& seeds) {
     std::string mhd = meta_image_file(grid());
     mhd.replace(mhd.find("LOCAL\n"), 6, "v.raw\n" + next);
     add("mhd", 'M', mhd);
+    add("mgh", 'g', mgh_file(grid()));
+    add("mgz", 'G', mgh_file(grid()));
+    add("gipl", 'i', gipl_file(grid()));
     add("vtk", 'v', vtk_file(grid()));
     std::string text = vtk_file(grid());
     text.replace(text.find("BINARY"), 6, "ASCII");

@@ -132,7 +132,8 @@ void read_place(const std::string& file, const Fields& fields, std::size_t axes,
 
 }  // namespace
 
-StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowed) {
+StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowed,
+                              std::uint32_t frame) {
     const std::string file = path.string();
     HeaderReader reader(path);
     const Fields fields = read_fields(reader);
@@ -156,13 +157,15 @@ StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowe
         throw ImportError(fmt::format("{}: ElementNumberOfChannels is {}, a scalar volume has 1",
                                       file, shown(channels)));
     }
+    take_frames(file, frame, header);
     volume_dims(file, header.sizes);
     header.scale.slope = number(file, "ElementToIntensityFunctionSlope",
                                 value_or(fields, "elementtointensityfunctionslope", "1"));
     header.scale.intercept = number(file, "ElementToIntensityFunctionOffset",
                                     value_or(fields, "elementtointensityfunctionoffset", "0"));
-    read_place(file, fields, header.sizes.size(), header);
+    read_place(file, fields, axes[0], header);
     locate_data(path, fields, reader, header);
+    keep_files_of_frame(file, header);
     check_stored_header(path, header);
     return header;
 }

@@ -10,6 +10,7 @@
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
+#include "host/io/values/place.hpp"
 
 namespace pxpl5::host::io {
 
@@ -187,15 +188,6 @@ glm::dmat4 sform(const NiftiFields& fields, glm::dvec3 spacing, double unit_mm,
     return ras;
 }
 
-/// RAS to LPS.
-glm::dmat4 to_lps(glm::dmat4 ras) {
-    for (int column = 0; column < 4; ++column) {
-        ras[column].x = 0 - ras[column].x;  // Not a bare minus: zeros stay positive.
-        ras[column].y = 0 - ras[column].y;
-    }
-    return ras;
-}
-
 void read_place(const std::string& file, const NiftiFields& fields, StoredHeader& header) {
     const double unit_mm = read_unit(fields, header);
     const glm::dvec3 spacing = read_spacing(file, fields, unit_mm, header);
@@ -255,7 +247,8 @@ void locate_data(const fs::path& path, const NiftiFields& fields, StoredHeader& 
 
 }  // namespace
 
-StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allowed) {
+StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allowed,
+                               std::uint32_t frame) {
     const std::string file = path.string();
     const NiftiFields fields = read_nifti_fields(nifti_header_file(path));
     const std::string name = lower_case(path.filename().string());
@@ -267,6 +260,7 @@ StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allow
     header.allowed = allowed;
     header.big_endian = fields.big_endian;
     read_sizes(file, fields, header);
+    take_frames(file, frame, header);
     volume_dims(file, header.sizes);
     read_type(file, fields, header);
     read_place(file, fields, header);

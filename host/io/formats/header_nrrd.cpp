@@ -237,7 +237,28 @@ std::vector<std::size_t> volume_axes(
     return axes;
 }
 
-void read_place(const Header& text, StoredHeader& header) {
+/// Throws ImportError if an axis before the last has values that do not lie in space.
+void check_order(const Header& text, const std::vector<std::uint64_t>& sizes,
+                 const std::vector<std::optional<std::vector<double>>>& directions) {
+    const std::vector<std::string> kinds = words_of(value_or(text.fields, "kinds", ""));
+    const auto is_space = [](const std::string& kind) {
+        return kind == "domain" || kind == "space" || kind == "???" || kind == "none";
+    };
+    for (std::size_t axis = 0; axis + 1 < sizes.size(); ++axis) {
+        const bool is_outside = axis < directions.size()
+                                    ? !directions[axis]
+                                    : axis < kinds.size() && !is_space(lower_case(kinds[axis]));
+        if (is_outside && sizes[axis] > 1 && sizes.size() > 3) {
+            throw ImportError(
+                fmt::format("{}: has {} axes ({}), of which axis {} is not in space: vectors and "
+                            "color are not read, and the volumes of a time series must be the last "
+                            "axis",
+                            text.file, sizes.size(), join_sizes(sizes), axis + 1));
+        }
+    }
+}
+
+void read_place(const Header& text, std::uint32_t frame, StoredHeader& header) {
     const auto directions =
         vectors_of(text.file, "space directions", value_or(text.fields, "space directions", ""));
     const std::vector<std::uint64_t> stated = header.sizes;
@@ -246,6 +267,8 @@ void read_place(const Header& text, StoredHeader& header) {
     for (const std::size_t axis : axes) {
         header.sizes.push_back(stated[axis]);
     }
+    check_order(text, stated, directions);
+    take_frames(text.file, frame, header);
     volume_dims(text.file, header.sizes);
     const auto spacings = numbers(text.file, "spacings", value_or(text.fields, "spacings", ""));
     const glm::dvec3 factors = signs_to_lps(text, header) * unit_factor(text, header);
@@ -272,7 +295,8 @@ void read_place(const Header& text, StoredHeader& header) {
 
 }  // namespace
 
-StoredHeader read_nrrd_header(const fs::path& path, const AllowedFolders& allowed) {
+StoredHeader read_nrrd_header(const fs::path& path, const AllowedFolders& allowed,
+                              std::uint32_t frame) {
     const std::string file = path.string();
     HeaderReader reader(path);
     const Header text = read_fields(path, reader);
@@ -292,9 +316,10 @@ StoredHeader read_nrrd_header(const fs::path& path, const AllowedFolders& allowe
                                       header.sizes.size()));
     }
     header.encoding = encoding_of(file, require(file, text.fields, "encoding"));
-    read_place(text, header);
+    read_place(text, frame, header);
     read_endian(text, header);
     locate_data(path, text, reader.offset_bytes(), header);
+    keep_files_of_frame(file, header);
     check_stored_header(path, header);
     return header;
 }

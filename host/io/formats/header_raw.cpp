@@ -26,8 +26,13 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
     header.byte_skip = layout.offset_bytes;
     header.spacing_stated.fill(false);
     volume_dims(file, header.sizes);
-    if (is_gzip(path) && path.extension() == ".gz") {
-        throw ImportError(file + must_be_decompressed);
+    header.assumed_directions =
+        "a raw file states no patient space: x, y, z are taken as left, posterior, superior";
+    if (path.extension() == ".gz" && is_gzip(path)) {
+        header.encoding = Encoding::gzip;
+        header.fits_exactly = true;
+        check_stored_header(path, header);
+        return header;
     }
     const std::uint64_t needed = needed_bytes(header);
     const std::uint64_t has = std::filesystem::file_size(path);
@@ -38,8 +43,6 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
                         join_sizes(header.sizes), header.type, layout.offset_bytes,
                         needed + layout.offset_bytes, has));
     }
-    header.assumed_directions =
-        "a raw file states no patient space: x, y, z are taken as left, posterior, superior";
     check_stored_header(path, header);
     return header;
 }

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
-#include <cstring>
 
-#include "host/io/formats/byte_source.hpp"
+#include "host/io/formats/header_bytes.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
 
@@ -18,44 +16,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t nifti1_bytes = 348, nifti2_bytes = 540;
 
-/// Typed, byte-swapped access to the header's bytes.
-struct RawHeader {
-    std::array<std::byte, nifti2_bytes> bytes{};
-    std::size_t size_bytes = 0;  ///< Available bytes.
-    bool big_endian = false;
-    std::string damage;  ///< See ByteSource::damage().
-
-    template <typename T>
-    T at(std::size_t offset) const {
-        std::array<std::byte, sizeof(T)> raw{};
-        std::memcpy(raw.data(), bytes.data() + offset, sizeof(T));
-        if (big_endian) {
-            std::reverse(raw.begin(), raw.end());
-        }
-        return std::bit_cast<T>(raw);
-    }
-    template <typename T, std::size_t count, typename To>
-    void copy(std::size_t offset, std::array<To, count>& to) const {
-        for (std::size_t i = 0; i < count; ++i) {
-            to[i] = static_cast<To>(at<T>(offset + i * sizeof(T)));
-        }
-    }
-    std::string text(std::size_t offset, std::size_t count) const {
-        const char* begin = reinterpret_cast<const char*>(bytes.data()) + offset;
-        return {begin, strnlen(begin, count)};
-    }
-};
-
-RawHeader read_bytes(const fs::path& path) {
-    RawHeader raw;
-    const Encoding encoding = is_gzip(path) ? Encoding::gzip : Encoding::raw;
-    ByteSource source(path, encoding, 0);
-    raw.size_bytes = source.read(raw.bytes);
-    raw.damage = source.damage();
-    return raw;
-}
-
-void take_nifti1(const RawHeader& raw, NiftiFields& fields) {
+void take_nifti1(const HeaderBytes& raw, NiftiFields& fields) {
     raw.copy<std::int16_t>(40, fields.dim);
     fields.datatype = raw.at<std::int16_t>(70);
     fields.bitpix = raw.at<std::int16_t>(72);
@@ -73,7 +34,7 @@ void take_nifti1(const RawHeader& raw, NiftiFields& fields) {
     }
 }
 
-void take_nifti2(const RawHeader& raw, NiftiFields& fields) {
+void take_nifti2(const HeaderBytes& raw, NiftiFields& fields) {
     raw.copy<std::int64_t>(16, fields.dim);
     fields.datatype = raw.at<std::int16_t>(12);
     fields.bitpix = raw.at<std::int16_t>(14);
@@ -114,11 +75,7 @@ fs::path partner(const fs::path& path, const std::string& from, std::string to) 
 
 NiftiFields read_nifti_fields(const fs::path& path) {
     const std::string file = path.string();
-    RawHeader raw = read_bytes(path);
-    if (raw.size_bytes < nifti1_bytes) {
-        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read{}", file,
-                                      nifti1_bytes, raw.size_bytes, raw.damage));
-    }
+    HeaderBytes raw = read_header_bytes(path, nifti1_bytes, nifti2_bytes);
     const auto little = raw.at<std::int32_t>(0);
     raw.big_endian = little != nifti1_bytes && little != nifti2_bytes;
     const auto size = static_cast<std::size_t>(std::max(raw.at<std::int32_t>(0), 0));
@@ -128,10 +85,7 @@ NiftiFields read_nifti_fields(const fs::path& path) {
             "byte orders",
             file, little, nifti1_bytes, nifti2_bytes));
     }
-    if (raw.size_bytes < size) {
-        throw ImportError(fmt::format("{}: its header needs {} bytes, {} could be read{}", file,
-                                      size, raw.size_bytes, raw.damage));
-    }
+    check_header_size(file, raw, size);
     NiftiFields fields;
     fields.big_endian = raw.big_endian;
     const bool is_second = size == nifti2_bytes;

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
@@ -172,9 +174,32 @@ void PicturePages::read_file(const File& file, ValueSink& sink) const {
     }
 }
 
-bool is_picture(const fs::path& path) {
+std::string picture_kind(const fs::path& path) {
     const std::string suffix = lower_case(path.extension().string());
-    return suffix == ".png" || suffix == ".tif" || suffix == ".tiff";
+    return suffix == ".png"                        ? "PNG"
+           : suffix == ".tif" || suffix == ".tiff" ? "TIFF"
+           : suffix == ".jpg" || suffix == ".jpeg" ? "JPEG"
+           : suffix == ".bmp"                      ? "BMP"
+                                                   : "";
+}
+
+bool is_picture(const fs::path& path) {
+    return !picture_kind(path).empty();
+}
+
+void keep_one_kind(std::vector<fs::path>& pictures) {
+    std::map<std::string, std::size_t> counts;
+    for (const fs::path& file : pictures) {
+        ++counts[picture_kind(file)];
+    }
+    if (counts.size() > 1) {
+        // Of equal numbers, exact pictures.
+        const auto most = std::ranges::max_element(counts, {}, [](const auto& each) {
+            return std::pair(each.second, each.first != "JPEG");
+        });
+        std::erase_if(pictures,
+                      [&](const fs::path& file) { return picture_kind(file) != most->first; });
+    }
 }
 
 bool is_naturally_before(const std::string& a, const std::string& b) {
@@ -231,6 +256,14 @@ Volume read_pictures(const std::string& source, const std::vector<fs::path>& fil
                     "pictures state no patient space: columns are taken as left, rows as "
                     "posterior, slices as superior, at the distances asked for",
                     volume);
+    const auto lossy = std::ranges::count_if(
+        files, [](const fs::path& file) { return picture_kind(file) == "JPEG"; });
+    if (lossy > 0) {
+        volume.findings.push_back(
+            {FindingKind::note, fmt::format("{} of {} pictures were compressed with loss (JPEG): "
+                                            "their values are not exact",
+                                            lossy, files.size())});
+    }
     ValueSink sink(values);
     pages.read(sink);
     sink.finish(source, volume);

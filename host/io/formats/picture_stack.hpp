@@ -1,4 +1,4 @@
-// Slices as pictures: a TIFF of many pages, or a folder of numbered PNG or TIFF files.
+// Slices as pictures: a TIFF of many pages, or a folder of numbered PNG, TIFF, JPEG or BMP files.
 #pragma once
 
 #include <filesystem>
@@ -14,8 +14,13 @@ namespace pxpl5::host::io {
 
 inline constexpr std::size_t max_pages = 4096;
 
-/// Whether the suffix of `path` is that of a picture that is read.
+/// "PNG", "TIFF", "JPEG" or "BMP", by the suffix of `path`; empty if it is that of no picture that
+/// is read.
+std::string picture_kind(const std::filesystem::path& path);
 bool is_picture(const std::filesystem::path& path);
+
+/// Keeps the pictures of the kind that most files have: a preview beside the slices is no slice.
+void keep_one_kind(std::vector<std::filesystem::path>& pictures);
 
 /// Puts "s2" before "s10": runs of digits compare as numbers.
 bool is_naturally_before(const std::string& a, const std::string& b);

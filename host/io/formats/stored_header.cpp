@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "host/base/part_file.hpp"
+#include "host/io/formats/picture_stack.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
 #include "isa/nearest.hpp"
@@ -21,6 +22,7 @@ constexpr std::uint64_t max_gzip_ratio = 1032;     // Deflate's best.
 constexpr std::uint64_t max_bzip2_ratio = 32'768;  // 900 kB of one byte take 39 bytes.
 constexpr std::uint64_t min_ascii_bytes = 2;       // A digit and a separator.
 constexpr std::size_t max_axes = 16;
+constexpr std::uint64_t max_frames = 1'000'000;
 
 bool ends_with_any(const std::string& name, std::initializer_list<const char*> suffixes) {
     return std::any_of(suffixes.begin(), suffixes.end(),
@@ -40,13 +42,11 @@ Format format_by_content(const fs::path& path) {
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
     }
-    if (is_gzip(path)) {
-        throw ImportError(path.string() + must_be_decompressed);
-    }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
-        ".nii .nii.gz .hdr .img .vtk .dcm .tif .png, or the folder of a DICOM series or of "
-        "pictures); of a file without a header, give raw=XxYxZ,TYPE and spacing=x,y,z",
+        ".nii .nii.gz .hdr .img .mgh .mgz .gipl .vtk .dcm .tif .png .jpg .bmp, or the folder of a "
+        "DICOM series or of pictures); of a file without a header, give raw=XxYxZ,TYPE and "
+        "spacing=x,y,z",
         path.string()));
 }
 
@@ -72,7 +72,8 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
     const std::uint64_t file_bytes = DataFile(path, data_file, header.allowed).size_bytes();
     const bool is_raw = header.encoding == Encoding::raw;
     const std::uint64_t before =
-        header.offset_bytes + (is_raw && !header.at_end ? header.byte_skip : 0);
+        header.offset_bytes +
+        (is_raw && !header.at_end ? header.byte_skip + header.bytes_before() : 0);
     const std::uint64_t available = file_bytes - std::min(file_bytes, before);
     const std::uint64_t values = needed / component_bytes(header.component);
     const std::uint64_t least = is_raw                               ? needed
@@ -92,27 +93,91 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
                                       is_compressed(header.encoding) ? " when decompressed" : "",
                                       data_file.filename().string(), available));
     }
-    if (header.ends_file && is_raw && available > needed) {
+    const std::uint64_t behind = header.bytes_behind();
+    if (header.ends_file && is_raw && available > needed + behind) {
         // More bytes than stated often mean another type or size than stated.
         header.find(FindingKind::note,
                     fmt::format("{} holds {} bytes more than the header states",
-                                data_file.filename().string(), available - needed));
+                                data_file.filename().string(), available - needed - behind));
     }
+}
+
+/// Sizes without those of 1 after the third.
+std::vector<std::uint64_t> significant_sizes(std::vector<std::uint64_t> sizes) {
+    while (sizes.size() > 3 && sizes.back() == 1) {
+        sizes.pop_back();
+    }
+    return sizes;
 }
 
 }  // namespace
 
-std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::uint64_t>& sizes) {
-    std::vector<std::uint64_t> significant = sizes;
-    while (significant.size() > 3 && significant.back() == 1) {
-        significant.pop_back();
+std::uint64_t StoredHeader::bytes_before() const {
+    return (frame - 1) * needed_bytes(*this);
+}
+
+std::uint64_t StoredHeader::bytes_behind() const {
+    return (frames - frame) * needed_bytes(*this);
+}
+
+void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header) {
+    const std::vector<std::uint64_t> sizes = significant_sizes(header.sizes);
+    const bool is_series = sizes.size() == 4;
+    const std::uint64_t frames = is_series ? sizes[3] : 1;
+    if (frame > frames) {
+        throw ImportError(fmt::format("{}: frame is {}, but it has {} volume{}", file, frame,
+                                      frames, frames == 1 ? "" : "s"));
     }
+    if (!is_series) {
+        return;
+    }
+    header.sizes.resize(3);
+    volume_dims(file, header.sizes);
+    if (frames > max_frames) {  // The bytes of all could not be counted.
+        throw ImportError(
+            fmt::format("{}: has {} volumes, must be at most {}", file, frames, max_frames));
+    }
+    if (frame == 0) {
+        throw ImportError(
+            fmt::format("{}: has 4 axes ({}): of a time series, select a volume with frame=N, 1 to "
+                        "{}; vectors and color are not read",
+                        file, join_sizes(sizes), frames));
+    }
+    header.frames = frames;
+    header.frame = frame;
+    header.find(FindingKind::note, fmt::format("volume {} of {} of a time series", frame, frames));
+}
+
+void drop_single_frame(StoredHeader& header) {
+    header.sizes = significant_sizes(std::move(header.sizes));
+}
+
+void keep_files_of_frame(const std::string& file, StoredHeader& header) {
+    const std::uint64_t files = header.data_files.size();
+    if (header.frames == 1 || files == 1) {
+        return;
+    }
+    if (files % header.frames != 0) {
+        throw ImportError(
+            fmt::format("{}: has {} data files for {} volumes, must have one file, "
+                        "or as many for each volume",
+                        file, files, header.frames));
+    }
+    const auto share = static_cast<std::ptrdiff_t>(files / header.frames);
+    const auto first =
+        header.data_files.begin() + share * static_cast<std::ptrdiff_t>(header.frame - 1);
+    header.data_files = {first, first + share};
+    header.frames = header.frame = 1;
+}
+
+std::array<int, 3> volume_dims(const std::string& file, const std::vector<std::uint64_t>& sizes) {
+    std::vector<std::uint64_t> significant = significant_sizes(sizes);
     const bool has_empty = sizes.size() > 3 && (significant[0] < min_volume_voxels ||
                                                 significant[1] < min_volume_voxels);
     if (significant.size() < 2 || significant.size() > 3 || has_empty) {
-        throw ImportError(fmt::format(
-            "{}: has {} axes ({}), a volume has 3{}", file, sizes.size(), join_sizes(sizes),
-            sizes.size() < 2 ? "" : ": time series, vectors and color are not read"));
+        throw ImportError(fmt::format("{}: has {} axes ({}), a volume has 3{}", file, sizes.size(),
+                                      join_sizes(sizes),
+                                      sizes.size() < 2 ? "" : ": vectors and color are not read"));
     }
     significant.resize(3, 1);
     std::array<int, 3> dims{};
@@ -168,10 +233,16 @@ Format format_of(const fs::path& path) {
     if (ends_with_any(name, {".nii", ".nii.gz", ".hdr", ".hdr.gz", ".img", ".img.gz"})) {
         return Format::nifti;
     }
+    if (ends_with_any(name, {".mgh", ".mgz", ".mgh.gz"})) {
+        return Format::mgh;
+    }
+    if (ends_with_any(name, {".gipl", ".gipl.gz"})) {
+        return Format::gipl;
+    }
     if (ends_with_any(name, {".vtk"})) {
         return Format::vtk;
     }
-    if (ends_with_any(name, {".tif", ".tiff", ".png"})) {
+    if (is_picture(path)) {
         return Format::pictures;
     }
     return ends_with_any(name, {".dcm", ".ima"}) ? Format::dicom : format_by_content(path);

@@ -16,7 +16,7 @@
 
 namespace pxpl5::host::io {
 
-enum class Format : std::uint8_t { nrrd, meta_image, nifti, vtk, dicom, pictures };
+enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, gipl, vtk, dicom, pictures };
 
 /// The format of `path` by its suffix, or by its first bytes if the suffix says nothing. Of a
 /// folder: dicom, though it may hold pictures only.
@@ -25,8 +25,11 @@ Format format_of(const std::filesystem::path& path);
 
 /// A header's own words, without the defaults that decoders put in.
 struct StoredHeader {
-    std::vector<std::uint64_t> sizes;  ///< Voxels along each axis, x first, as stated.
-    std::string type;                  ///< The header's spelling.
+    /// Voxels along each axis, x first, as stated; without the volumes of a time series.
+    std::vector<std::uint64_t> sizes;
+    std::uint64_t frames = 1;  ///< Volumes of a time series, one after the other in a file.
+    std::uint64_t frame = 1;   ///< The volume that is read, from 1.
+    std::string type;          ///< The header's spelling.
     Component component = Component::uint8;
     bool big_endian = false;
     Encoding encoding = Encoding::raw;
@@ -37,7 +40,8 @@ struct StoredHeader {
     std::uint64_t line_skip = 0;     ///< Lines after that, before decompression.
     std::uint64_t byte_skip = 0;     ///< Bytes after that, decompressed.
     bool at_end = false;             ///< The values are the last bytes; byte_skip means nothing.
-    bool ends_file = false;          ///< Nothing but the values should follow.
+    bool ends_file = false;          ///< Nothing should follow the values.
+    bool fits_exactly = false;       ///< Nothing may follow the values.
     Scale scale;
     glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimeters. Axes without spacing have length 1.
     std::array<bool, 3> spacing_stated{true, true, true};
@@ -45,21 +49,40 @@ struct StoredHeader {
     std::string assumed_directions;
     std::vector<Finding> findings;
 
+    /// Bytes of other volumes in the file before and behind the one that is read, decompressed.
+    std::uint64_t bytes_before() const;
+    std::uint64_t bytes_behind() const;
+
     void find(FindingKind kind, std::string text) { findings.push_back({kind, std::move(text)}); }
 };
 
 /// Read the header of `path`. Its data files lie as DataFile wants them. Throw ImportError naming
 /// the field and its value.
-StoredHeader read_nrrd_header(const std::filesystem::path& path, const AllowedFolders& allowed);
-StoredHeader read_meta_header(const std::filesystem::path& path, const AllowedFolders& allowed);
-StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedFolders& allowed);
+/// frame  Volume of a time series, from 1; 0: the file must have one volume.
+StoredHeader read_nrrd_header(const std::filesystem::path& path, const AllowedFolders& allowed,
+                              std::uint32_t frame);
+StoredHeader read_meta_header(const std::filesystem::path& path, const AllowedFolders& allowed,
+                              std::uint32_t frame);
+StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedFolders& allowed,
+                               std::uint32_t frame);
+StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t frame);
+StoredHeader read_gipl_header(const std::filesystem::path& path, std::uint32_t frame);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
-/// The end of the error for a raw file that is compressed.
-inline constexpr const char* must_be_decompressed =
-    ": is compressed by gzip: decompress it first (gunzip), then give raw=XxYxZ,TYPE";
+/// Takes the volumes of a time series, the fourth axis, from the sizes.
+/// frame   The volume to read, from 1; 0: there must be one.
+/// Throws  ImportError naming `frame` and how many volumes there are.
+void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header);
 
-/// The header that `layout` describes. Throws ImportError if the file's size is another.
+/// Drops the fourth size if it is 1, for formats that always state it.
+void drop_single_frame(StoredHeader& header);
+
+/// If the values of a time series are in several data files: keeps those of the volume.
+/// Throws ImportError if a file has values of several volumes.
+void keep_files_of_frame(const std::string& file, StoredHeader& header);
+
+/// The header that `layout` describes. The file may be compressed by gzip.
+/// Throws ImportError if the file's size is another.
 StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout& layout);
 
 /// Holds `header` of `path` against the limits and the sizes of the data files, and notes bytes

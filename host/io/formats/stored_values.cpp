@@ -29,16 +29,16 @@ static_assert(std::endian::native == std::endian::little);
 void skip_to_values(const std::string& file, const StoredHeader& header, const fs::path& data,
                     const DataFile& opened, std::uint64_t offset, std::uint64_t needed,
                     ByteSource& source) {
-    std::uint64_t skip = header.byte_skip;
+    std::uint64_t skip = header.byte_skip + header.bytes_before();
     if (header.at_end) {
         const std::uint64_t all = header.encoding == Encoding::raw
                                       ? opened.size_bytes() - std::min(opened.size_bytes(), offset)
                                       : ByteSource(opened.path(), header.encoding, offset)
                                             .skip(std::numeric_limits<std::uint64_t>::max());
-        if (all < needed) {
+        if (all < needed + header.bytes_behind()) {
             throw too_short(file, header, data, all);
         }
-        skip = all - needed;
+        skip = all - needed - header.bytes_behind();
     }
     const std::uint64_t skipped = source.skip(skip);
     if (skipped < skip) {
@@ -133,14 +133,18 @@ void read_ascii(const std::string& file, const StoredHeader& header, std::uint64
     Words words(source);
     with_type(header.component, [&]<typename T>(T*) {
         std::vector<T> values;
-        for (std::uint64_t index = 0; index < count; ++index) {
+        const std::uint64_t first = header.bytes_before() / sizeof(T), end = first + count;
+        for (std::uint64_t index = 0; index < end; ++index) {
             const std::string_view word = words.next();
             if (word.empty()) {
-                throw ImportError(
-                    fmt::format("{}: has {} values, its header states {}", file, index, count));
+                throw ImportError(fmt::format("{}: has {} values, its header states {}", file,
+                                              index, count * header.frames));
+            }
+            if (index < first) {
+                continue;
             }
             values.push_back(parsed<T>(file, header, word, index));
-            if (values.size() * sizeof(T) >= chunk_bytes || index + 1 == count) {
+            if (values.size() * sizeof(T) >= chunk_bytes || index + 1 == end) {
                 sink.add(std::as_bytes(std::span<const T>(values)), header.component, header.scale);
                 values.clear();
             }
@@ -152,6 +156,7 @@ void read_ascii(const std::string& file, const StoredHeader& header, std::uint64
 void check_end(const std::string& file, const StoredHeader& header, const fs::path& data,
                ByteSource& source, Volume& volume) {
     constexpr std::uint64_t max_behind = std::uint64_t{64} << 20;  // A bomb goes on for long.
+    source.skip(header.bytes_behind());
     const bool goes_on = source.skip(1) == 1;
     if (goes_on && is_compressed(header.encoding)) {
         source.skip(max_behind);
@@ -167,6 +172,12 @@ void check_end(const std::string& file, const StoredHeader& header, const fs::pa
             {FindingKind::note,
              fmt::format("{} holds {} bytes after the end of its compressed data",
                          data.filename().string(), source.bytes_after_end())});
+    }
+    if (header.fits_exactly && goes_on) {
+        throw ImportError(
+            fmt::format("{}: {} of {} after {} bytes need {} bytes when decompressed, it has more",
+                        file, join_sizes(header.sizes), header.type, header.byte_skip,
+                        needed_bytes(header) + header.byte_skip));
     }
     if (header.ends_file && goes_on) {
         volume.findings.push_back(

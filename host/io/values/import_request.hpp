@@ -48,6 +48,7 @@ struct ImportRequest {
     /// automatic: GPs read values of more bytes.
     std::uint64_t host_bytes = max_volume_bytes;
     std::uint64_t reduced_bytes = std::uint64_t{64} << 20;  ///< Most bytes of the reduced copy.
+    std::uint32_t frame = 0;  ///< Volume of a time series, from 1; 0: the file has one volume.
 };
 
 }  // namespace pxpl5::host::io

@@ -79,6 +79,14 @@ glm::dmat3 directions_of(const std::string& file, const std::string& letters) {
 
 }  // namespace
 
+glm::dmat4 to_lps(glm::dmat4 ras) {
+    for (int column = 0; column < 4; ++column) {
+        ras[column].x = 0 - ras[column].x;  // Not a bare minus: zeros stay positive.
+        ras[column].y = 0 - ras[column].y;
+    }
+    return ras;
+}
+
 void take_spacing(const std::string& file, const ImportRequest& request,
                   const std::array<bool, 3>& stated, Volume& volume) {
     std::string missing;

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <array>
+#include <glm/mat4x4.hpp>
 #include <string>
 
 #include "host/io/values/import_request.hpp"
 #include "host/volume/volume.hpp"
 
 namespace pxpl5::host::io {
+
+/// The same place in LPS of a place in RAS.
+glm::dmat4 to_lps(glm::dmat4 ras);
 
 /// Gives the axes that have no spacing of the file's the one that is asked for, or 1 mm as a
 /// reported assumption.

@@ -38,12 +38,14 @@ struct Kind {
 
 /// How names of volumes end. `load` looks at the contents, so this only chooses what is listed.
 constexpr std::array kinds = {
-    Kind{".nii", "NIfTI"},     Kind{".nii.gz", "NIfTI"},     Kind{".nrrd", "NRRD"},
-    Kind{".nhdr", "NRRD"},     Kind{".mha", "MetaImage"},    Kind{".mhd", "MetaImage"},
-    Kind{".vtk", "VTK"},       Kind{".hdr", "NIfTI header"}, Kind{".hdr.gz", "NIfTI header"},
-    Kind{".dcm", "DICOM"},     Kind{".ima", "DICOM"},        Kind{".dicom", "DICOM"},
-    Kind{".tif", "TIFF"},      Kind{".tiff", "TIFF"},        Kind{".png", "PNG"},
-    Kind{".phigs", "archive"},
+    Kind{".nii", "NIfTI"},      Kind{".nii.gz", "NIfTI"},     Kind{".nrrd", "NRRD"},
+    Kind{".nhdr", "NRRD"},      Kind{".mha", "MetaImage"},    Kind{".mhd", "MetaImage"},
+    Kind{".vtk", "VTK"},        Kind{".hdr", "NIfTI header"}, Kind{".hdr.gz", "NIfTI header"},
+    Kind{".dcm", "DICOM"},      Kind{".ima", "DICOM"},        Kind{".dicom", "DICOM"},
+    Kind{".tif", "TIFF"},       Kind{".tiff", "TIFF"},        Kind{".png", "PNG"},
+    Kind{".jpg", "JPEG"},       Kind{".jpeg", "JPEG"},        Kind{".bmp", "BMP"},
+    Kind{".mgh", "FreeSurfer"}, Kind{".mgz", "FreeSurfer"},   Kind{".gipl", "GIPL"},
+    Kind{".gipl.gz", "GIPL"},   Kind{".phigs", "archive"},
 };
 
 std::string in_small(std::string text) {

@@ -45,7 +45,7 @@ TEST_SUITE("host/io/bad_files") {
               "scan.nii: No such file or directory; did you mean scan.nii.gz?");
         std::filesystem::create_directory(folder.file("series"));
         CHECK(complaint(folder.file("series")) == "series: none of its 0 files is a DICOM image");
-        CHECK(complaint(folder.write("x.jpg", "abc")).find("x.jpg: neither its suffix nor") == 0);
+        CHECK(complaint(folder.write("x.gif", "abc")).find("x.gif: neither its suffix nor") == 0);
     }
 
     TEST_CASE("a folder of other files is no series") {
@@ -135,8 +135,8 @@ TEST_SUITE("host/io/bad_files") {
         NiftiHeader series;
         series.put_dims({4, 2, 2, 2, 5, 1, 1, 1});
         CHECK(complaint(folder.write("series.nii", series.bytes() + std::string(80, 'x'))) ==
-              "series.nii: has 4 axes (2x2x2x5), a volume has 3: time series, vectors and "
-              "color are not read");
+              "series.nii: has 4 axes (2x2x2x5): of a time series, select a volume with frame=N, 1 "
+              "to 5; vectors and color are not read");
     }
 
     TEST_CASE("a color NRRD is refused") {
@@ -146,8 +146,8 @@ TEST_SUITE("host/io/bad_files") {
                   "NRRD0004\ntype: uchar\ndimension: 4\nsizes: 3 2 2 2\nkinds: RGB-color domain "
                   "domain domain\nencoding: raw\n\n" +
                       std::string(24, 'x'))) ==
-              "rgb.nrrd: has 4 axes (3x2x2x2), a volume has 3: time series, vectors and "
-              "color are not read");
+              "rgb.nrrd: has 4 axes (3x2x2x2), of which axis 1 is not in space: vectors and color "
+              "are not read, and the volumes of a time series must be the last axis");
     }
 
     TEST_CASE("broken NRRD headers are refused") {

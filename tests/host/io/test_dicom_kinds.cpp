@@ -180,7 +180,7 @@ TEST_SUITE("host/io/dicom_kinds") {
         CHECK(reports(import_volume(folder.file("")), FindingKind::other_series,
                       "cine: its 3 frames are a time series"));
         CHECK(reports(import_volume(folder.file("")), FindingKind::note,
-                      "1 files are not DICOM images"));
+                      "1 file is not a DICOM image"));
         folder.write("u", slice(9).text(0x20, 0xe, "UI", "1.2.9").file());
         CHECK_THROWS_WITH_AS(import_volume(folder.file("")), doctest::Contains("holds 2 series"),
                              ImportError);

@@ -131,18 +131,10 @@ TEST_SUITE("host/io/header_findings") {
     TEST_CASE("errors of files that are not read say what to do") {
         const TemporaryFolder folder;
         const std::string zeros(24, '\0');
-        CHECK(complaint(folder.write("v.raw.gz", gzipped(folder, zeros)))
-                  .find("is compressed by gzip: decompress it first (gunzip), then give "
-                        "raw=XxYxZ,TYPE") == 0);
-        CHECK(complaint(folder.write("v.bin", zeros)).find("give raw=XxYxZ,TYPE") !=
-              std::string::npos);
-        ImportRequest request;
-        request.path = folder.file("v.raw.gz");
-        request.raw = RawLayout{{4, 3, 2}, "uint8", false, 0};
-        request.spacing_mm = glm::dvec3(1, 1, 1);
-        CHECK_THROWS_WITH_AS(import_volume(request),
-                             doctest::Contains("is compressed by gzip: decompress it first"),
-                             ImportError);
+        for (const std::string& bytes : {zeros, gzipped(folder, zeros)}) {
+            CHECK(complaint(folder.write("v.bin", bytes)).find("give raw=XxYxZ,TYPE") !=
+                  std::string::npos);
+        }
         const std::string nrrd =
             "NRRD0004\ntype: short\ndimension: 3\nsizes: 4 3 2\nendian: "
             "little\nencoding: ";

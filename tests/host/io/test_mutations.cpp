@@ -17,6 +17,7 @@
 #include <numeric>
 #include <random>
 
+#include "host/io/formats/picture_stack.hpp"
 #include "host/io/import.hpp"
 #include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
@@ -179,9 +180,10 @@ Outcome mutate(const std::string& name, const std::string& bytes) {
     if (name.ends_with(".hdr")) {
         folder.write(name.substr(0, name.size() - 4) + ".img", bytes_of(grid().values));
     }
-    if (name.ends_with(".png") || name.ends_with(".tif")) {
+    if (is_picture(name)) {
         request.spacing_mm = glm::dvec3(1, 1, 1);
     }
+    request.frame = name.starts_with("frame.") ? 2 : 0;
     CAPTURE(name);
     CAPTURE(seed());
     const Outcome outcome = survive([&](int index) {
@@ -262,6 +264,23 @@ TEST_SUITE("host/io/mutations") {
         check_survives("a.vtk", text);
     }
 
+    TEST_CASE("2000 mutations of MGH and GIPL files") {
+        const TemporaryFolder folder;
+        check_survives("v.mgh", mgh_file(grid()));
+        check_survives("v.mgz", gzipped(folder, mgh_file(grid())));
+        check_survives("v.gipl", gipl_file(grid()));
+        check_survives("v.gipl.gz", gzipped(folder, gipl_file(grid())));
+    }
+
+    TEST_CASE("2000 mutations of time series, of which the second volume is read") {
+        Grid series = grid();
+        series.values = ramp<std::int16_t>(360);
+        check_survives("frame.mgh", mgh_file(series, 3));
+        NiftiHeader header = nifti1_header(series);
+        header.put_dims({4, 6, 5, 4, 3, 1, 1, 1});
+        check_survives("frame.nii", header.bytes() + bytes_of(series.values));
+    }
+
     TEST_CASE("2000 mutations of DICOM files: GDCM's assertions hardly ever end the process") {
         check_mostly_survives("v.dcm", dicom_slice(grid(), 1).file());
         DicomSet frames = dicom_image(6, 5, bytes_of(grid().values));
@@ -275,7 +294,7 @@ TEST_SUITE("host/io/mutations") {
 
     TEST_CASE("2000 mutations of pictures") {
         const TemporaryFolder folder;
-        for (const char* name : {"v.png", "v.tif"}) {
+        for (const char* name : {"v.png", "v.tif", "v.jpg", "v.bmp"}) {
             const auto output = OIIO::ImageOutput::create(folder.file(name));
             const OIIO::ImageSpec spec(6, 20, 1, OIIO::TypeDesc::INT16);
             REQUIRE(output->open(folder.file(name), spec));

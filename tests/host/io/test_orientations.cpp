@@ -210,6 +210,12 @@ TEST_SUITE("host/io/orientations") {
         });
     }
 
+    TEST_CASE("MGH: one surface from 48 orders and directions of axes") {
+        check_all_turns([](const TemporaryFolder& folder, const Grid& grid) {
+            return folder.write("v.mgh", mgh_file(grid));
+        });
+    }
+
     TEST_CASE("DICOM: one surface from 48 orders and directions of axes") {
         check_all_turns([](const TemporaryFolder& folder, const Grid& grid) {
             return write_dicom_series(folder, grid, "series");
@@ -217,10 +223,13 @@ TEST_SUITE("host/io/orientations") {
     }
 
     TEST_CASE(
-        "VTK holds spacing and origin, no direction: the surface along its axes is the same") {
+        "VTK and GIPL hold spacing and origin, no direction: the surface along the axes is the "
+        "same") {
         const TemporaryFolder folder;
         const Grid grid = letters(false);
         check_same(surface_of(host::io::import_volume(folder.write("v.vtk", vtk_file(grid)))),
+                   surface_of(as_volume(grid)));
+        check_same(surface_of(host::io::import_volume(folder.write("v.gipl", gipl_file(grid)))),
                    surface_of(as_volume(grid)));
     }
 }

@@ -78,7 +78,7 @@ TEST_SUITE("host/io/picture_stack") {
             const Volume volume = import_volume(request_of(folder.file("")));
             check_pages(volume, 11);
             CHECK(std::any_of(volume.findings.begin(), volume.findings.end(), [](const Finding& f) {
-                return f.text == "1 files are not pictures and are left out";
+                return f.text == "1 file is not a picture and is left out";
             }));
         }
     }
@@ -98,6 +98,46 @@ TEST_SUITE("host/io/picture_stack") {
         }
         output->close();
         check_pages(import_volume(request_of(path)), 3);
+    }
+
+    TEST_CASE("a folder of BMP pictures is exact, one of JPEG pictures is nearly, and says so") {
+        const auto read = [](const char* suffix) {
+            const TemporaryFolder folder;
+            for (int z = 0; z < 3; ++z) {
+                const std::vector<std::uint8_t> level(width * height,
+                                                      static_cast<std::uint8_t>(50 * z));
+                const std::string path = folder.file("s" + std::to_string(z) + suffix);
+                const auto output = OIIO::ImageOutput::create(path);
+                REQUIRE(output);
+                REQUIRE(
+                    output->open(path, OIIO::ImageSpec(width, height, 1, OIIO::TypeDesc::UINT8)));
+                REQUIRE(output->write_image(OIIO::TypeDesc::UINT8, level.data()));
+                output->close();
+            }
+            // A preview beside the slices is of another kind.
+            write_page(folder.file("preview.png"), page(0), width);
+            return import_volume(request_of(folder.file("")));
+        };
+        const auto is_lossy = [](const Finding& finding) {
+            return finding.text ==
+                   "3 of 3 pictures were compressed with loss (JPEG): their values are not exact";
+        };
+        for (const char* suffix : {".bmp", ".jpg", ".JPEG"}) {
+            CAPTURE(suffix);
+            const Volume volume = read(suffix);
+            CHECK(std::array{volume.nx, volume.ny, volume.nz} == std::array{width, height, 3});
+            REQUIRE(volume.type == Scalar::uint8);
+            for (std::size_t i = 0; i < volume.values.size(); ++i) {
+                const int level = 50 * static_cast<int>(i / (width * height));
+                CHECK(std::abs(std::to_integer<int>(volume.values[i]) - level) <=
+                      (suffix == std::string(".bmp") ? 0 : 2));
+            }
+            CHECK(std::ranges::count_if(volume.findings, is_lossy) ==
+                  (suffix == std::string(".bmp") ? 0 : 1));
+            CHECK(std::ranges::any_of(volume.findings, [](const Finding& finding) {
+                return finding.text == "1 file is not a picture and is left out";
+            }));
+        }
     }
 
     TEST_CASE("without spacing, in color, of two sizes or broken, pictures are refused by name") {

@@ -123,6 +123,47 @@ inline std::string meta_image_file(const Grid& grid) {
            bytes_of(grid.values, true);
 }
 
+/// The place of the middle of the volume, as FreeSurfer writes it. The axes must be at right
+/// angles.
+inline std::string mgh_file(const Grid& grid, std::int32_t frames = 1) {
+    std::string bytes;
+    for (const std::int32_t field : {1, grid.dims[0], grid.dims[1], grid.dims[2], frames, 4, 0}) {
+        bytes += bytes_of(field, true);
+    }
+    bytes += bytes_of(std::int16_t{1}, true);
+    glm::dvec3 middle = grid.origin();
+    for (int axis = 0; axis < 3; ++axis) {
+        bytes += bytes_of(static_cast<float>(grid.spacing(axis)), true);
+        middle += grid.axis(axis) * (grid.dims[static_cast<std::size_t>(axis)] / 2.0);
+    }
+    for (const glm::dvec3 v : {grid.direction(0), grid.direction(1), grid.direction(2), middle}) {
+        const glm::dvec3 ras = to_ras(v);
+        for (int k = 0; k < 3; ++k) {
+            bytes += bytes_of(static_cast<float>(ras[k]), true);
+        }
+    }
+    bytes.resize(284);
+    return bytes + bytes_of(grid.values, true);
+}
+
+/// With the spacing and origin only.
+inline std::string gipl_file(const Grid& grid, std::uint16_t frames = 1) {
+    std::string bytes(256, '\0');
+    const auto put = [&](std::size_t offset, auto value) {
+        bytes.replace(offset, sizeof value, bytes_of(value, true));
+    };
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto at = static_cast<std::size_t>(axis);
+        put(2 * at, static_cast<std::uint16_t>(grid.dims[at]));
+        put(10 + 4 * at, static_cast<float>(grid.spacing(axis)));
+        put(204 + 8 * at, grid.origin()[axis]);
+    }
+    put(6, frames);
+    put(8, std::uint16_t{15});
+    put(252, std::uint32_t{719'555'000});
+    return bytes + bytes_of(grid.values, true);
+}
+
 /// Big endian, of the spacing and origin only.
 inline std::string vtk_file(const Grid& grid) {
     const glm::dvec3 o = grid.origin();

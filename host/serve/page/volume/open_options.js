@@ -10,6 +10,7 @@ export function createOptions() {
     ['resample_mm', 'Resample (mm)', 'New spacing in mm, e.g. 1,1,1'],
     ['smooth', 'Smooth', 'Standard deviation in mm, e.g. 1.5'],
     ['series', 'Series', 'Series of a DICOM folder, e.g. 2'],
+    ['frame', 'Frame', 'Volume of a time series in a file, e.g. 3'],
     ['spacing', 'Spacing', 'In mm, if the file does not state it, e.g. 0.5,0.5,1'],
     ['orientation', 'Orientation', 'Sides to which x, y, z point, if not stated, e.g. RAI'],
     ['origin', 'Origin', 'First voxel in mm, LPS, if not stated, e.g. -120,-120,40'],

@@ -200,6 +200,32 @@ class Files(unittest.TestCase):
         self.assertAlmostEqual(results[3]["volume_ml"] / results[1]["volume_ml"], 1, delta=0.03)
         self.assertEqual(results[4]["dims"], [20, 20, 20])
 
+    def test_each_volume_of_a_time_series(self):
+        size, radii_mm = 24, (4, 6, 8)
+        values = b"".join(
+            bytes(200 if math.dist((x, y, z), (11.5,) * 3) < radius else 0
+                  for z in range(size) for y in range(size) for x in range(size))
+            for radius in radii_mm)
+        head = ("NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\n"
+                f"sizes: {size} {size} {size} {len(radii_mm)}\nencoding: raw\n"
+                "space directions: (1,0,0) (0,1,0) (0,0,1) none\nspace origin: (0,0,0)\n\n")
+        pathlib.Path(self.path("beat.nrrd")).write_bytes(head.encode() + values)
+        for number, radius in enumerate(radii_mm, 1):
+            loaded, surface, exported = self.run_commands(
+                f"load beat.nrrd frame={number}", "surface ball iso=100",
+                f"export ball{number}.stl")
+            self.assertEqual(loaded["dims"], [size] * 3)
+            sphere_ml = 4 / 3 * math.pi * radius ** 3 / 1000
+            self.assertAlmostEqual(surface["volume_ml"] / sphere_ml, 1, delta=0.06)
+            self.assertTrue(exported["ok"])
+            beside = pathlib.Path(self.path(f"ball{number}.stl.certificate.json"))
+            told = json.loads(beside.read_text())
+            self.assertEqual(told["volume"]["read_as"]["frame"], number)
+        done = subprocess.run([BIN / "pxpl5", "info", "beat.nrrd"], capture_output=True, text=True,
+                              timeout=LIMIT_S, cwd=self.folder.name, check=False)
+        self.assertEqual(done.returncode, 65, done)
+        self.assertIn("select a volume with frame=N, 1 to 3", done.stderr)
+
     def ends(self, *arguments):
         """The program's end for a machine of one node of each kind."""
         return subprocess.run(

@@ -1,0 +1,224 @@
+// frame=N: one volume of a time series, in each format and encoding that has them.
+#include <bzlib.h>
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+#include "host/io/formats/stored_header.hpp"
+#include "host/io/import.hpp"
+#include "tests/host/io/volume_writers.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+
+namespace {
+
+constexpr std::size_t frames = 3, voxels = 24;  // Of 4x3x2 voxels each.
+
+/// Volumes one after the other, none like another.
+Grid series() {
+    Grid grid{{4, 3, 2}, glm::dmat4(1.0), std::vector<std::int16_t>(frames * voxels)};
+    for (std::size_t i = 0; i < grid.values.size(); ++i) {
+        grid.values[i] = static_cast<std::int16_t>(1000 * (i / voxels) + i % voxels);
+    }
+    grid.affine[3] = {10, -20, 30, 1};
+    return grid;
+}
+
+std::vector<std::int16_t> values_of(std::size_t frame) {
+    const std::vector<std::int16_t> all = series().values;
+    const auto first = all.begin() + static_cast<std::ptrdiff_t>((frame - 1) * voxels);
+    return {first, first + voxels};
+}
+
+bool holds(const Volume& volume, const std::vector<std::int16_t>& values) {
+    return volume.values.size() == values.size() * 2 &&
+           std::memcmp(volume.values.data(), values.data(), volume.values.size()) == 0;
+}
+
+Volume read(const std::string& path, std::uint32_t frame, ReadBy by = ReadBy::host) {
+    ImportRequest request;
+    request.path = path;
+    request.frame = frame;
+    request.read = by;
+    return import_volume(request);
+}
+
+/// The error without the file's name; empty if the volume is read.
+std::string refusal(const std::string& path, std::uint32_t frame) {
+    try {
+        read(path, frame);
+        return {};
+    } catch (const ImportError& error) {
+        const std::string text = error.what();
+        return text.substr(text.find(": ") + 2);
+    }
+}
+
+/// Each volume of the series, and no other.
+void check_frames(const std::string& path, const std::string& axes = "4x3x2x3") {
+    CAPTURE(path);
+    CHECK(refusal(path, 0) == "has 4 axes (" + axes +
+                                  "): of a time series, select a volume with frame=N, 1 to 3; "
+                                  "vectors and color are not read");
+    CHECK(refusal(path, 4) == "frame is 4, but it has 3 volumes");
+    for (std::size_t frame = 1; frame <= frames; ++frame) {
+        CAPTURE(frame);
+        const Volume volume = read(path, static_cast<std::uint32_t>(frame));
+        CHECK(std::array{volume.nx, volume.ny, volume.nz} == std::array{4, 3, 2});
+        CHECK(holds(volume, values_of(frame)));
+        CHECK(volume.voxel_to_patient == series().affine);
+        const std::string text = fmt::format("volume {} of 3 of a time series", frame);
+        CHECK(std::ranges::count(volume.findings, text, &Finding::text) == 1);
+        CHECK(std::ranges::none_of(volume.findings, [](const Finding& finding) {
+            return finding.text.find("more") != std::string::npos;  // Bytes than are stated.
+        }));
+    }
+}
+
+std::string bzipped(std::string bytes) {
+    std::string out(bytes.size() + 1000, '\0');
+    auto size = static_cast<unsigned>(out.size());
+    REQUIRE(BZ2_bzBuffToBuffCompress(out.data(), &size, bytes.data(),
+                                     static_cast<unsigned>(bytes.size()), 9, 0, 0) == BZ_OK);
+    out.resize(size);
+    return out;
+}
+
+std::string nrrd(const std::string& encoding, const std::string& more = "") {
+    return "NRRD0004\ntype: short\ndimension: 4\nspace: LPS\nsizes: 4 3 2 3\nendian: little\n"
+           "space directions: (1,0,0) (0,1,0) (0,0,1) none\nspace origin: (10,-20,30)\n"
+           "encoding: " +
+           encoding + "\n" + more + "\n";
+}
+
+std::string nifti() {
+    NiftiHeader header = nifti1_header(series());
+    header.put_dims({4, 4, 3, 2, 3, 1, 1, 1});
+    return header.bytes() + bytes_of(series().values);
+}
+
+std::string meta_image(const std::string& rest) {
+    return "NDims = 4\nDimSize = 4 3 2 3\nElementType = MET_SHORT\nElementSpacing = 1 1 1 2.5\n"
+           "TransformMatrix = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\nOffset = 10 -20 30 0\n" +
+           rest;
+}
+
+}  // namespace
+
+TEST_SUITE("host/io/time series") {
+    TEST_CASE("NIfTI, compressed or not") {
+        const TemporaryFolder folder;
+        check_frames(folder.write("v.nii", nifti()));
+        check_frames(folder.write("v.nii.gz", gzipped(folder, nifti())));
+    }
+
+    TEST_CASE("MGH and GIPL, compressed or not") {
+        const TemporaryFolder folder;
+        check_frames(folder.write("v.mgh", mgh_file(series(), frames)));
+        check_frames(folder.write("v.mgz", gzipped(folder, mgh_file(series(), frames))));
+        check_frames(folder.write("v.gipl", gipl_file(series(), frames)));
+    }
+
+    TEST_CASE("NRRD in five encodings, and with the values as the last bytes of a file") {
+        const TemporaryFolder folder;
+        const std::string values = bytes_of(series().values);
+        std::string hex, ascii;
+        for (const char c : values) {
+            hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
+        }
+        for (const std::int16_t value : series().values) {
+            ascii += fmt::format("{} ", value);
+        }
+        check_frames(folder.write("raw.nrrd", nrrd("raw") + values));
+        check_frames(folder.write("gzip.nrrd", nrrd("gzip") + gzipped(folder, values)));
+        check_frames(folder.write("bzip2.nrrd", nrrd("bzip2") + bzipped(values)));
+        check_frames(folder.write("hex.nrrd", nrrd("hex") + hex));
+        check_frames(folder.write("ascii.nrrd", nrrd("ascii") + ascii));
+        folder.write("end.raw", "any header" + values);
+        check_frames(folder.write("end.nhdr", nrrd("raw", "byte skip: -1\ndata file: end.raw\n")));
+        folder.write("end.gz", gzipped(folder, "any header" + values));
+        check_frames(folder.write("gz.nhdr", nrrd("gzip", "byte skip: -1\ndata file: end.gz\n")));
+    }
+
+    TEST_CASE("MetaImage in one file, and in a file for each volume or slice") {
+        const TemporaryFolder folder;
+        const std::string values = bytes_of(series().values);
+        check_frames(folder.write("v.mha", meta_image("ElementDataFile = LOCAL\n") + values));
+        for (const std::size_t files : {frames, 2 * frames}) {
+            std::string list;
+            const std::size_t share = values.size() / files;
+            for (std::size_t file = 0; file < files; ++file) {
+                list += folder
+                            .write(fmt::format("{}of{}.raw", file, files),
+                                   values.substr(file * share, share))
+                            .substr(folder.file("").size()) +
+                        "\n";
+            }
+            check_frames(folder.write("list.mhd", meta_image("ElementDataFile = LIST\n") + list));
+        }
+        folder.write("half.raw", values.substr(0, values.size() / 2));
+        CHECK(refusal(folder.write("half.mhd",
+                                   meta_image("ElementDataFile = LIST\nhalf.raw\nhalf.raw\n")),
+                      2) ==
+              "has 2 data files for 3 volumes, must have one file, or as many for each volume");
+    }
+
+    TEST_CASE("the GPs read the same volume of an uncompressed file") {
+        const TemporaryFolder folder;
+        const std::string values = bytes_of(series().values);
+        folder.write("end.raw", "any header" + values);
+        for (const std::string& path :
+             {folder.write("v.nii", nifti()), folder.write("v.nrrd", nrrd("raw") + values),
+              folder.write("end.nhdr", nrrd("raw", "byte skip: -1\ndata file: end.raw\n"))}) {
+            CAPTURE(path);
+            CHECK(holds(read(path, 2, ReadBy::gps), values_of(2)));
+        }
+    }
+
+    TEST_CASE("a NRRD whose first axis is not in space has vectors, whatever frame= says") {
+        const TemporaryFolder folder;
+        const std::string head =
+            "NRRD0004\ntype: short\ndimension: 4\nsizes: 3 4 3 2\nendian: little\nencoding: raw\n";
+        const std::string values = bytes_of(series().values);
+        const std::string vectors =
+            "has 4 axes (3x4x3x2), of which axis 1 is not in space: vectors and color are not "
+            "read, and the volumes of a time series must be the last axis";
+        CHECK(refusal(
+                  folder.write("k.nrrd", head + "kinds: vector domain domain domain\n\n" + values),
+                  1) == vectors);
+        CHECK(
+            refusal(folder.write("d.nrrd", head +
+                                               "space: LPS\nspace directions: none (1,0,0) (0,1,0) "
+                                               "(0,0,1)\n\n" +
+                                               values),
+                    1) == vectors);
+    }
+
+    TEST_CASE("a volume that is cut off, damaged, or not there is refused") {
+        const TemporaryFolder folder;
+        const std::string whole = nifti();
+        const std::string path = folder.write("v.nii", whole.substr(0, whole.size() - voxels));
+        CHECK(holds(read(path, 2), values_of(2)));
+        CHECK(refusal(path, 3) == "4x3x2 of int16 need 48 bytes, v.nii has 24");
+        std::string packed = gzipped(folder, whole);
+        packed[packed.size() - 5] = static_cast<char>(packed[packed.size() - 5] + 1);
+        CHECK(refusal(folder.write("v.nii.gz", packed), 1).find("are damaged: the checksum") !=
+              std::string::npos);
+        Grid one = series();
+        one.values.resize(voxels);
+        CHECK(refusal(folder.write("one.nii", nifti1_file(one)), 1).empty());
+        CHECK(refusal(folder.write("one.nii", nifti1_file(one)), 2) ==
+              "frame is 2, but it has 1 volume");
+        CHECK(refusal(folder.write("v.vtk", vtk_file(one)), 2) ==
+              "frame is 2, but only NIfTI, NRRD, MetaImage, MGH and GIPL files hold time series "
+              "that are read");
+        CHECK(refusal("phantom:sphere", 2).find("and one volume") != std::string::npos);
+        NiftiHeader endless = nifti1_header(one);
+        endless.put_dims({4, 4, 3, 2, 32767, 1, 1, 1});
+        CHECK(refusal(folder.write("long.nii", endless.bytes()), 32767) ==
+              "4x3x2 of int16 need 48 bytes, long.nii has 0");
+    }
+}
