@@ -254,6 +254,34 @@ test('the tour follows the pixel that is asked for, and its address keeps the pi
   await outside.close();
 });
 
+test('the tour keeps the pixel that is asked for, though its own answer comes later', async t => {
+  const tour = await openTour(t, '#tour=2'), { page, id } = tour;
+  await answered(page, 2);
+  await settled(page);
+  await page.evaluate(() => document.addEventListener('explained', event => {
+    if (event.detail.by === 'user') globalThis.explained = event.detail;
+  }));
+  const { size } = await state(page);
+  await id('why-x').fill(String(Math.floor(size[0] / 2) - 60));
+  await id('why-y').fill(String(Math.floor(size[1] / 2) - 40));
+  await id('why-ask').click();
+  await page.waitForFunction(() => globalThis.explained);
+  await answered(page, 2);
+  const { hash } = new URL(page.url());
+  const lines = await tour.heard.lines();
+  await page.evaluate(() => {
+    const { result } = globalThis.explained;
+    const other = { ...globalThis.explained, by: 'tour', result: { ...result, x: result.x + 9 } };
+    document.dispatchEvent(new CustomEvent('explained', { detail: other }));
+  });
+  await page.waitForFunction(least => globalThis.heard.lines.length > least, lines.length);
+  await answered(page, 2);
+  const line = lines.findLast(each => each.startsWith('why '));
+  assert.equal((await tour.heard.lines()).at(-1), line);
+  assert.equal(new URL(page.url()).hash, hash);
+  await tour.close();
+});
+
 test('without a surface the tour says so, and goes on when one is shown', async t => {
   const tour = await openTour(t, '#tour=1'), { page, id } = tour;
   const raw = await rawSocket(page, server.url);

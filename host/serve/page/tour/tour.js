@@ -44,6 +44,8 @@ class Tour {
     this.reports = 0;
     /** What the step has done. asked: the revision of its question, or -1. */
     this.course = {asked: -1, isDrawn: false, isShown: false};
+    /** The pixel of the last question of the tour. @type {Pixel | null} */
+    this.askedPixel = null;
     this.note = '';
     this.timer = 0;
     /** @type {Element | null}  Had the focus before the tour. */
@@ -223,7 +225,7 @@ class Tour {
   isExplained(revision) {
     const {why} = this.facts;
     return this.revisions.why === revision
-      && (!this.wish || this.wish.x === why?.x && this.wish.y === why?.y);
+      && (!this.wish || isSamePixel(this.wish, why));
   }
 
   /**
@@ -238,7 +240,9 @@ class Tour {
       this.follow_(null);
     }
     const isKept = why && this.revisions.why === revision;
-    const pixel = this.wish ?? (isKept ? {x: why.x, y: why.y} : await findPixel(this.app));
+    const found = this.wish ?? (isKept ? {x: why.x, y: why.y} : await findPixel(this.app));
+    const pixel = this.wish ?? found;  // The user may have asked meanwhile.
+    this.askedPixel = pixel;
     if (this.course.asked !== revision || this.app.store.state?.revision !== revision) {
       // The scene has changed meanwhile: the pixel may be another one in its picture.
       this.course.asked = this.course.asked === revision ? -1 : this.course.asked;
@@ -269,6 +273,9 @@ class Tour {
     this.revisions.why = revision;
     if (this.step > 0 && result && by === 'user') {
       this.follow_({x: result.x, y: result.y});
+    }
+    if (this.wish && !isSamePixel(this.wish, this.askedPixel)) {
+      this.course.asked = -1;  // The user has asked about another pixel than the tour.
     }
     if (this.step !== CLOCK) {
       this.course.isShown = false;
@@ -365,6 +372,11 @@ class Tour {
       part.scrollIntoView({block: 'start'});
     }
   }
+}
+
+/** @param {Pixel} pixel @param {Pixel | null} other */
+function isSamePixel(pixel, other) {
+  return pixel.x === other?.x && pixel.y === other?.y;
 }
 
 /**
