@@ -147,8 +147,9 @@ Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
 struct FolderFiles {
     std::vector<DicomSlice> slices;
     std::vector<fs::path> pictures;
-    std::vector<Finding> left_out;  ///< DICOM files that cannot be read, and why.
-    std::size_t others = 0;         ///< Files that are no DICOM images.
+    std::vector<Finding> left_out;   ///< DICOM files that cannot be read, and why.
+    std::size_t others = 0;          ///< Files that are no DICOM images.
+    std::size_t other_pictures = 0;  ///< Pictures of a kind that is left out.
 };
 
 bool is_dicom_directory(const fs::path& file) {
@@ -219,7 +220,13 @@ void report_left_out(const FolderFiles& files, Volume& volume) {
                                                files.left_out.size() - max_named)});
     }
     const bool are_pictures = files.slices.empty();
-    const std::size_t others = files.others - (are_pictures ? files.pictures.size() : 0);
+    const std::size_t pictures = files.pictures.size() + files.other_pictures;
+    const std::size_t others = files.others - (are_pictures ? pictures : 0);
+    if (are_pictures && files.other_pictures > 0) {
+        volume.findings.push_back(
+            {FindingKind::note, fmt::format("{} of {} pictures are of another kind and left out",
+                                            files.other_pictures, pictures)});
+    }
     if (others > 0) {
         const char* text = others == 1 ? "1 file is not a {0} and is left out"
                                        : "{1} files are not {0}s and are left out";
@@ -238,7 +245,9 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
                 ? fmt::format("{}: none of its {} files is a DICOM image", source, files.others)
                 : files.left_out.front().text);
     }
+    const std::size_t pictures = files.pictures.size();
     keep_one_kind(files.pictures);
+    files.other_pictures = pictures - files.pictures.size();
     if (files.slices.empty() && request.read == ReadBy::gps) {
         refuse_gps(source, "pictures are decoded by the io process");
     }

@@ -49,7 +49,7 @@ def compare(programs: List[str], topology: str, load: loads.Load, rounds: int,
             both = {which: measure.Load(machines[which], load) for which in started}
             for number in range(turns):
                 # Who is first changes: the second finds other caches and another clock.
-                for which in ((0, 1) if number % 2 == 0 else (1, 0)):
+                for which in (started if number % 2 == 0 else started[::-1]):
                     for name, value in measure_turn(both[which], count).items():
                         samples[name][which].append(value)
     return samples

@@ -140,7 +140,6 @@ void write_volumes(const Seeds& seeds) {
     add("mhd", 'M', mhd);
     add("mgh", 'g', mgh_file(grid()));
     add("mgz", 'G', mgh_file(grid()));
-    add("gipl", 'i', gipl_file(grid()));
     add("vtk", 'v', vtk_file(grid()));
     std::string text = vtk_file(grid());
     text.replace(text.find("BINARY"), 6, "ASCII");

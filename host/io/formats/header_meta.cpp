@@ -85,6 +85,15 @@ void locate_data(const fs::path& path, const Fields& fields, HeaderReader& reade
     header.big_endian = is_true(fields, {"binarydatabyteordermsb", "elementbyteordermsb"}, false);
 }
 
+/// The numbers of a matrix that turns nothing.
+std::string identity_text(std::size_t axes) {
+    std::string text;
+    for (std::size_t at = 0; at < axes * axes; ++at) {
+        text += at % (axes + 1) == 0 ? "1 " : "0 ";
+    }
+    return text;
+}
+
 /// Directions are the axes' one after the other; MetaImage's own space is LPS by ITK's convention.
 void read_place(const std::string& file, const Fields& fields, std::size_t axes,
                 StoredHeader& header) {
@@ -99,11 +108,10 @@ void read_place(const std::string& file, const Fields& fields, std::size_t axes,
     const glm::dvec3 spacing =
         three_numbers(file, has_spacing ? "ElementSpacing" : "ElementSize",
                       first_of(fields, {"elementspacing", "elementsize"}, "1 1 1"), 1.0);
-    const std::vector<double> matrix =
-        numbers(file, "TransformMatrix",
-                first_of(fields, {"transformmatrix", "orientation", "rotation"},
-                         axes == 2 ? "1 0 0 1" : "1 0 0 0 1 0 0 0 1"));
-    if (axes <= 3 && matrix.size() != axes * axes) {
+    const std::vector<double> matrix = numbers(
+        file, "TransformMatrix",
+        first_of(fields, {"transformmatrix", "orientation", "rotation"}, identity_text(axes)));
+    if (matrix.size() != axes * axes) {
         throw ImportError(fmt::format("{}: TransformMatrix has {} numbers, {} axes need {}", file,
                                       matrix.size(), axes, axes * axes));
     }

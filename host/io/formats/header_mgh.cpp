@@ -75,7 +75,9 @@ void read_mgh_place(const HeaderBytes& raw, StoredHeader& header) {
         place[axis] *= spacing[at];
         middle[axis] = static_cast<double>(header.sizes[at]) / 2;
     }
-    place[3] -= glm::dvec4(glm::dmat3(place) * middle, 0);
+    if (header.assumed_directions.empty()) {
+        place[3] -= glm::dvec4(glm::dmat3(place) * middle, 0);
+    }  // Else the first voxel is at the origin, as in other files without a place.
     header.voxel_to_patient = to_lps(place);
 }
 

@@ -237,18 +237,19 @@ std::vector<std::size_t> volume_axes(
     return axes;
 }
 
-/// Throws ImportError if an axis before the last has values that do not lie in space.
+/// Throws ImportError if an axis before the last is not in space, or the last one is of vectors or
+/// colors.
 void check_order(const Header& text, const std::vector<std::uint64_t>& sizes,
                  const std::vector<std::optional<std::vector<double>>>& directions) {
     const std::vector<std::string> kinds = words_of(value_or(text.fields, "kinds", ""));
-    const auto is_space = [](const std::string& kind) {
-        return kind == "domain" || kind == "space" || kind == "???" || kind == "none";
-    };
-    for (std::size_t axis = 0; axis + 1 < sizes.size(); ++axis) {
-        const bool is_outside = axis < directions.size()
-                                    ? !directions[axis]
-                                    : axis < kinds.size() && !is_space(lower_case(kinds[axis]));
-        if (is_outside && sizes[axis] > 1 && sizes.size() > 3) {
+    for (std::size_t axis = 0; axis < sizes.size() && sizes.size() > 3; ++axis) {
+        const std::string kind = axis < kinds.size() ? lower_case(kinds[axis]) : "none";
+        const bool may_be_space =
+            kind == "domain" || kind == "space" || kind == "???" || kind == "none";
+        const bool is_outside = (axis < directions.size() && !directions[axis]) || !may_be_space;
+        const bool is_series =
+            axis + 1 == sizes.size() && (may_be_space || kind == "time" || kind == "list");
+        if (is_outside && !is_series && sizes[axis] > 1) {
             throw ImportError(
                 fmt::format("{}: has {} axes ({}), of which axis {} is not in space: vectors and "
                             "color are not read, and the volumes of a time series must be the last "

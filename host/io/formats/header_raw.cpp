@@ -28,7 +28,7 @@ StoredHeader read_raw_layout(const std::filesystem::path& path, const RawLayout&
     volume_dims(file, header.sizes);
     header.assumed_directions =
         "a raw file states no patient space: x, y, z are taken as left, posterior, superior";
-    if (path.extension() == ".gz" && is_gzip(path)) {
+    if (lower_case(path.extension().string()) == ".gz" && is_gzip(path)) {
         header.encoding = Encoding::gzip;
         header.fits_exactly = true;
         check_stored_header(path, header);

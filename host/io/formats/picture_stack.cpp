@@ -5,11 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
@@ -188,17 +186,13 @@ bool is_picture(const fs::path& path) {
 }
 
 void keep_one_kind(std::vector<fs::path>& pictures) {
-    std::map<std::string, std::size_t> counts;
-    for (const fs::path& file : pictures) {
-        ++counts[picture_kind(file)];
-    }
-    if (counts.size() > 1) {
-        // Of equal numbers, exact pictures.
-        const auto most = std::ranges::max_element(counts, {}, [](const auto& each) {
-            return std::pair(each.second, each.first != "JPEG");
-        });
-        std::erase_if(pictures,
-                      [&](const fs::path& file) { return picture_kind(file) != most->first; });
+    const auto rank = [](const fs::path& file) {
+        const std::string kind = picture_kind(file);
+        return kind == "JPEG" ? 2 : kind == "BMP" ? 1 : 0;
+    };
+    if (!pictures.empty()) {
+        const int best = rank(*std::ranges::min_element(pictures, {}, rank));
+        std::erase_if(pictures, [&](const fs::path& file) { return rank(file) != best; });
     }
 }
 

@@ -19,7 +19,8 @@ inline constexpr std::size_t max_pages = 4096;
 std::string picture_kind(const std::filesystem::path& path);
 bool is_picture(const std::filesystem::path& path);
 
-/// Keeps the pictures of the kind that most files have: a preview beside the slices is no slice.
+/// Keeps PNG and TIFF pictures; without any, BMP pictures; without any, JPEG pictures: a preview
+/// beside the slices is no slice.
 void keep_one_kind(std::vector<std::filesystem::path>& pictures);
 
 /// Puts "s2" before "s10": runs of digits compare as numbers.

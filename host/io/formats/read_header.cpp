@@ -17,8 +17,6 @@ StoredHeader read_stored_header(const std::filesystem::path& path, Format format
             return read_nifti_header(path, request.allowed, request.frame);
         case Format::mgh:
             return read_mgh_header(path, request.frame);
-        case Format::gipl:
-            return read_gipl_header(path, request.frame);
         case Format::vtk:
             refuse_frame(path.string(), request);
             return read_vtk_header(path);
@@ -32,8 +30,8 @@ StoredHeader read_stored_header(const std::filesystem::path& path, Format format
 void refuse_frame(const std::string& source, const ImportRequest& request) {
     if (request.frame > 1) {
         throw ImportError(
-            fmt::format("{}: frame is {}, but only NIfTI, NRRD, MetaImage, MGH and GIPL files hold "
-                        "time series that are read",
+            fmt::format("{}: frame is {}, but only NIfTI, NRRD, MetaImage and MGH files hold time "
+                        "series that are read",
                         source, request.frame));
     }
 }

@@ -205,8 +205,11 @@ std::uint64_t offset_of(const std::string& file, const fs::path& data, const Dat
                                : offset_after_lines(data.string(), opened.path(),
                                                     header.offset_bytes, header.line_skip);
     const std::uint64_t after = size - std::min(size, offset);
-    offset += !header.at_end ? header.byte_skip + header.bytes_before()
-                             : after - std::min(after, needed + header.bytes_behind());
+    const std::uint64_t volumes = header.frames * needed;
+    if (header.at_end && after < volumes) {
+        throw too_short(file, header, data, after);
+    }
+    offset += (header.at_end ? after - volumes : header.byte_skip) + header.bytes_before();
     if (offset > size || size - offset < needed) {
         throw too_short(file, header, data, size - std::min(size, offset));
     }

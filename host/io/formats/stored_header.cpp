@@ -44,7 +44,7 @@ Format format_by_content(const fs::path& path) {
     }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
-        ".nii .nii.gz .hdr .img .mgh .mgz .gipl .vtk .dcm .tif .png .jpg .bmp, or the folder of a "
+        ".nii .nii.gz .hdr .img .mgh .mgz .vtk .dcm .tif .png .jpg .bmp, or the folder of a "
         "DICOM series or of pictures); of a file without a header, give raw=XxYxZ,TYPE and "
         "spacing=x,y,z",
         path.string()));
@@ -76,6 +76,13 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
         (is_raw && !header.at_end ? header.byte_skip + header.bytes_before() : 0);
     const std::uint64_t available = file_bytes - std::min(file_bytes, before);
     const std::uint64_t values = needed / component_bytes(header.component);
+    const std::uint64_t all = header.frames * needed, behind = header.bytes_behind();
+    if (is_raw && header.frames > 1 && available < (header.at_end ? all : needed)) {
+        throw ImportError(fmt::format("{}: volume {} of {} ends at byte {}, {} has {}", file,
+                                      header.frame, header.frames,
+                                      header.at_end ? before + all : before + needed,
+                                      data_file.filename().string(), file_bytes));
+    }
     const std::uint64_t least = is_raw                               ? needed
                                 : header.encoding == Encoding::ascii ? values * min_ascii_bytes - 1
                                 : header.encoding == Encoding::hex   ? 2 * needed
@@ -93,7 +100,9 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
                                       is_compressed(header.encoding) ? " when decompressed" : "",
                                       data_file.filename().string(), available));
     }
-    const std::uint64_t behind = header.bytes_behind();
+    if (is_raw && available < needed + behind) {
+        header.note_cut_series(data_file.filename().string());
+    }
     if (header.ends_file && is_raw && available > needed + behind) {
         // More bytes than stated often mean another type or size than stated.
         header.find(FindingKind::note,
@@ -120,13 +129,27 @@ std::uint64_t StoredHeader::bytes_behind() const {
     return (frames - frame) * needed_bytes(*this);
 }
 
+void StoredHeader::note_cut_series(const std::string& data_file) {
+    find(FindingKind::note,
+         fmt::format("{} ends before the last of its {} volumes: it may be cut off", data_file,
+                     frames));
+}
+
 void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header) {
     const std::vector<std::uint64_t> sizes = significant_sizes(header.sizes);
     const bool is_series = sizes.size() == 4;
     const std::uint64_t frames = is_series ? sizes[3] : 1;
+    if (sizes.size() > 4) {
+        volume_dims(file, header.sizes);  // Throws.
+    }
     if (frame > frames) {
-        throw ImportError(fmt::format("{}: frame is {}, but it has {} volume{}", file, frame,
-                                      frames, frames == 1 ? "" : "s"));
+        throw ImportError(
+            frames == 1 ? fmt::format("{}: frame is {}, but the file has one volume: load it "
+                                      "without frame=",
+                                      file, frame)
+                        : fmt::format("{}: frame is {}, but the file has {} volumes: give frame=1 "
+                                      "to {}",
+                                      file, frame, frames, frames));
     }
     if (!is_series) {
         return;
@@ -139,8 +162,8 @@ void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& hea
     }
     if (frame == 0) {
         throw ImportError(
-            fmt::format("{}: has 4 axes ({}): of a time series, select a volume with frame=N, 1 to "
-                        "{}; vectors and color are not read",
+            fmt::format("{}: has 4 axes ({}). If it is a time series, select a volume with "
+                        "frame=N, 1 to {}. Vectors and color are not read",
                         file, join_sizes(sizes), frames));
     }
     header.frames = frames;
@@ -236,9 +259,6 @@ Format format_of(const fs::path& path) {
     if (ends_with_any(name, {".mgh", ".mgz", ".mgh.gz"})) {
         return Format::mgh;
     }
-    if (ends_with_any(name, {".gipl", ".gipl.gz"})) {
-        return Format::gipl;
-    }
     if (ends_with_any(name, {".vtk"})) {
         return Format::vtk;
     }
@@ -251,6 +271,13 @@ Format format_of(const fs::path& path) {
 void check_stored_header(const fs::path& path, StoredHeader& header) {
     const std::string file = path.string();
     volume_dims(file, header.sizes);
+    constexpr std::uint64_t most_skipped = std::uint64_t{1} << 53;
+    for (const std::uint64_t skipped : {header.offset_bytes, header.byte_skip}) {
+        if (skipped > most_skipped) {
+            throw ImportError(fmt::format("{}: its values begin after {} bytes, must be at most {}",
+                                          file, skipped, most_skipped));
+        }
+    }
     const std::uint64_t needed = needed_bytes(header);
     const std::uint64_t files = header.data_files.size();
     if (!why_not_by_gps(header).empty() ||

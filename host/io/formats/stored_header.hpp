@@ -16,7 +16,7 @@
 
 namespace pxpl5::host::io {
 
-enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, gipl, vtk, dicom, pictures };
+enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, vtk, dicom, pictures };
 
 /// The format of `path` by its suffix, or by its first bytes if the suffix says nothing. Of a
 /// folder: dicom, though it may hold pictures only.
@@ -53,6 +53,9 @@ struct StoredHeader {
     std::uint64_t bytes_before() const;
     std::uint64_t bytes_behind() const;
 
+    /// Adds that the file of a time series ends before its last volume does.
+    void note_cut_series(const std::string& data_file);
+
     void find(FindingKind kind, std::string text) { findings.push_back({kind, std::move(text)}); }
 };
 
@@ -66,7 +69,6 @@ StoredHeader read_meta_header(const std::filesystem::path& path, const AllowedFo
 StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedFolders& allowed,
                                std::uint32_t frame);
 StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t frame);
-StoredHeader read_gipl_header(const std::filesystem::path& path, std::uint32_t frame);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
 /// Takes the volumes of a time series, the fourth axis, from the sizes.

@@ -44,8 +44,8 @@ constexpr std::array kinds = {
     Kind{".dcm", "DICOM"},      Kind{".ima", "DICOM"},        Kind{".dicom", "DICOM"},
     Kind{".tif", "TIFF"},       Kind{".tiff", "TIFF"},        Kind{".png", "PNG"},
     Kind{".jpg", "JPEG"},       Kind{".jpeg", "JPEG"},        Kind{".bmp", "BMP"},
-    Kind{".mgh", "FreeSurfer"}, Kind{".mgz", "FreeSurfer"},   Kind{".gipl", "GIPL"},
-    Kind{".gipl.gz", "GIPL"},   Kind{".phigs", "archive"},
+    Kind{".mgh", "FreeSurfer"}, Kind{".mgz", "FreeSurfer"},   Kind{".mgh.gz", "FreeSurfer"},
+    Kind{".phigs", "archive"},
 };
 
 std::string in_small(std::string text) {

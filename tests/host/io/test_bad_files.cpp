@@ -135,8 +135,8 @@ TEST_SUITE("host/io/bad_files") {
         NiftiHeader series;
         series.put_dims({4, 2, 2, 2, 5, 1, 1, 1});
         CHECK(complaint(folder.write("series.nii", series.bytes() + std::string(80, 'x'))) ==
-              "series.nii: has 4 axes (2x2x2x5): of a time series, select a volume with frame=N, 1 "
-              "to 5; vectors and color are not read");
+              "series.nii: has 4 axes (2x2x2x5). If it is a time series, select a volume with "
+              "frame=N, 1 to 5. Vectors and color are not read");
     }
 
     TEST_CASE("a color NRRD is refused") {

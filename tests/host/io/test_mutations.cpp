@@ -264,12 +264,10 @@ TEST_SUITE("host/io/mutations") {
         check_survives("a.vtk", text);
     }
 
-    TEST_CASE("2000 mutations of MGH and GIPL files") {
+    TEST_CASE("2000 mutations of MGH files") {
         const TemporaryFolder folder;
         check_survives("v.mgh", mgh_file(grid()));
         check_survives("v.mgz", gzipped(folder, mgh_file(grid())));
-        check_survives("v.gipl", gipl_file(grid()));
-        check_survives("v.gipl.gz", gzipped(folder, gipl_file(grid())));
     }
 
     TEST_CASE("2000 mutations of time series, of which the second volume is read") {

@@ -115,7 +115,10 @@ TEST_SUITE("host/io/picture_stack") {
                 output->close();
             }
             // A preview beside the slices is of another kind.
-            write_page(folder.file("preview.png"), page(0), width);
+            if (suffix == std::string(".bmp")) {
+                folder.write("preview.jpg", "not read");
+            }
+            folder.write("readme.txt", "words");
             return import_volume(request_of(folder.file("")));
         };
         const auto is_lossy = [](const Finding& finding) {
@@ -137,6 +140,9 @@ TEST_SUITE("host/io/picture_stack") {
             CHECK(std::ranges::any_of(volume.findings, [](const Finding& finding) {
                 return finding.text == "1 file is not a picture and is left out";
             }));
+            CHECK(std::ranges::count(volume.findings,
+                                     "1 of 4 pictures are of another kind and left out",
+                                     &Finding::text) == (suffix == std::string(".bmp") ? 1 : 0));
         }
     }
 

@@ -146,24 +146,6 @@ inline std::string mgh_file(const Grid& grid, std::int32_t frames = 1) {
     return bytes + bytes_of(grid.values, true);
 }
 
-/// With the spacing and origin only.
-inline std::string gipl_file(const Grid& grid, std::uint16_t frames = 1) {
-    std::string bytes(256, '\0');
-    const auto put = [&](std::size_t offset, auto value) {
-        bytes.replace(offset, sizeof value, bytes_of(value, true));
-    };
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto at = static_cast<std::size_t>(axis);
-        put(2 * at, static_cast<std::uint16_t>(grid.dims[at]));
-        put(10 + 4 * at, static_cast<float>(grid.spacing(axis)));
-        put(204 + 8 * at, grid.origin()[axis]);
-    }
-    put(6, frames);
-    put(8, std::uint16_t{15});
-    put(252, std::uint32_t{719'555'000});
-    return bytes + bytes_of(grid.values, true);
-}
-
 /// Big endian, of the spacing and origin only.
 inline std::string vtk_file(const Grid& grid) {
     const glm::dvec3 o = grid.origin();

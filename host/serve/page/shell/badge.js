@@ -111,7 +111,7 @@ function sizeMenu(app) {
     h('option', {value: ''}, 'fit to panel'), ...SIZES.map(each => h('option', {value: each},
       each.replace('x', ' × '))));
   let timer = 0;
-  // What this page has requested and has not seen in a state yet.
+  // The size that this page has requested and has not seen in a state yet.
   let requested = '', requestedRevision = 0;
   const request = (/** @type {string} */ size) => {
     requested = size;

@@ -75,6 +75,7 @@ TEST_SUITE("host/io/mgh") {
     TEST_CASE("without a place, FreeSurfer's coronal slices are assumed, and said") {
         const TemporaryFolder folder;
         const Volume volume = import_volume(folder.write("v.mgh", changed(28, {"\0\0", 2})));
+        CHECK(glm::dvec3(volume.voxel_to_patient[3]) == glm::dvec3(0, 0, 0));
         CHECK(glm::dvec3(volume.voxel_to_patient[0]) == glm::dvec3(1, 0, 0));
         CHECK(glm::dvec3(volume.voxel_to_patient[1]) == glm::dvec3(0, 0, -1));
         CHECK(glm::dvec3(volume.voxel_to_patient[2]) == glm::dvec3(0, -1, 0));

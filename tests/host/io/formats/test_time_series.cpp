@@ -60,10 +60,11 @@ std::string refusal(const std::string& path, std::uint32_t frame) {
 /// Each volume of the series, and no other.
 void check_frames(const std::string& path, const std::string& axes = "4x3x2x3") {
     CAPTURE(path);
-    CHECK(refusal(path, 0) == "has 4 axes (" + axes +
-                                  "): of a time series, select a volume with frame=N, 1 to 3; "
-                                  "vectors and color are not read");
-    CHECK(refusal(path, 4) == "frame is 4, but it has 3 volumes");
+    CHECK(refusal(path, 0) ==
+          "has 4 axes (" + axes +
+              "). If it is a time series, select a volume with frame=N, 1 to 3. "
+              "Vectors and color are not read");
+    CHECK(refusal(path, 4) == "frame is 4, but the file has 3 volumes: give frame=1 to 3");
     for (std::size_t frame = 1; frame <= frames; ++frame) {
         CAPTURE(frame);
         const Volume volume = read(path, static_cast<std::uint32_t>(frame));
@@ -115,11 +116,10 @@ TEST_SUITE("host/io/time series") {
         check_frames(folder.write("v.nii.gz", gzipped(folder, nifti())));
     }
 
-    TEST_CASE("MGH and GIPL, compressed or not") {
+    TEST_CASE("MGH, compressed or not") {
         const TemporaryFolder folder;
         check_frames(folder.write("v.mgh", mgh_file(series(), frames)));
         check_frames(folder.write("v.mgz", gzipped(folder, mgh_file(series(), frames))));
-        check_frames(folder.write("v.gipl", gipl_file(series(), frames)));
     }
 
     TEST_CASE("NRRD in five encodings, and with the values as the last bytes of a file") {
@@ -166,6 +166,18 @@ TEST_SUITE("host/io/time series") {
               "has 2 data files for 3 volumes, must have one file, or as many for each volume");
     }
 
+    TEST_CASE("a MetaImage with four axes may have no matrix, and must have all numbers of one") {
+        const TemporaryFolder folder;
+        std::string header = meta_image("ElementDataFile = LOCAL\n");
+        const std::size_t at = header.find("TransformMatrix"), end = header.find("Offset");
+        header.erase(at, end - at);
+        const std::string values = bytes_of(series().values);
+        check_frames(folder.write("none.mha", header + values));
+        header.insert(at, "TransformMatrix = 0.8 0.6 0 -0.6 0.8 0 0 0 1\n");
+        CHECK(refusal(folder.write("nine.mha", header + values), 1) ==
+              "TransformMatrix has 9 numbers, 4 axes need 16");
+    }
+
     TEST_CASE("the GPs read the same volume of an uncompressed file") {
         const TemporaryFolder folder;
         const std::string values = bytes_of(series().values);
@@ -195,14 +207,34 @@ TEST_SUITE("host/io/time series") {
                                                "(0,0,1)\n\n" +
                                                values),
                     1) == vectors);
+        CHECK(refusal(folder.write("last.nrrd",
+                                   "NRRD0004\ntype: short\ndimension: 4\nsizes: 4 3 2 3\n"
+                                   "endian: little\nencoding: raw\nkinds: domain domain domain "
+                                   "RGB-color\n\n" +
+                                       values),
+                      2)
+                  .find("has 4 axes (4x3x2x3), of which axis 4 is not in space") == 0);
     }
 
     TEST_CASE("a volume that is cut off, damaged, or not there is refused") {
         const TemporaryFolder folder;
         const std::string whole = nifti();
         const std::string path = folder.write("v.nii", whole.substr(0, whole.size() - voxels));
-        CHECK(holds(read(path, 2), values_of(2)));
-        CHECK(refusal(path, 3) == "4x3x2 of int16 need 48 bytes, v.nii has 24");
+        const auto notes_cut = [](const Volume& volume, const std::string& name) {
+            return std::ranges::count(
+                volume.findings, name + " ends before the last of its 3 volumes: it may be cut off",
+                &Finding::text);
+        };
+        const Volume second = read(path, 2);
+        CHECK(holds(second, values_of(2)));
+        CHECK(notes_cut(second, "v.nii") == 1);
+        CHECK(refusal(path, 3) == "volume 3 of 3 ends at byte 496, v.nii has 472");
+        const std::string half = gzipped(folder, whole);
+        const Volume first = read(folder.write("h.nii.gz", half.substr(0, half.size() - 12)), 1);
+        CHECK(holds(first, values_of(1)));
+        CHECK(notes_cut(first, "h.nii.gz") == 1);
+        CHECK(refusal(folder.file("h.nii.gz"), 3).find("when decompressed, h.nii.gz has") !=
+              std::string::npos);
         std::string packed = gzipped(folder, whole);
         packed[packed.size() - 5] = static_cast<char>(packed[packed.size() - 5] + 1);
         CHECK(refusal(folder.write("v.nii.gz", packed), 1).find("are damaged: the checksum") !=
@@ -211,14 +243,33 @@ TEST_SUITE("host/io/time series") {
         one.values.resize(voxels);
         CHECK(refusal(folder.write("one.nii", nifti1_file(one)), 1).empty());
         CHECK(refusal(folder.write("one.nii", nifti1_file(one)), 2) ==
-              "frame is 2, but it has 1 volume");
+              "frame is 2, but the file has one volume: load it without frame=");
         CHECK(refusal(folder.write("v.vtk", vtk_file(one)), 2) ==
-              "frame is 2, but only NIfTI, NRRD, MetaImage, MGH and GIPL files hold time series "
+              "frame is 2, but only NIfTI, NRRD, MetaImage and MGH files hold time series "
               "that are read");
         CHECK(refusal("phantom:sphere", 2).find("and one volume") != std::string::npos);
         NiftiHeader endless = nifti1_header(one);
         endless.put_dims({4, 4, 3, 2, 32767, 1, 1, 1});
         CHECK(refusal(folder.write("long.nii", endless.bytes()), 32767) ==
-              "4x3x2 of int16 need 48 bytes, long.nii has 0");
+              "volume 32767 of 32767 ends at byte 1573168, long.nii has 352");
+        NiftiHeader vectors = nifti1_header(one);
+        vectors.put_dims({5, 4, 3, 2, 1, 3, 1, 1});
+        CHECK(refusal(folder.write("vectors.nii", vectors.bytes()), 3).find("has 5 axes") == 0);
+        // The sum of both numbers of bytes would be small again.
+        CHECK(refusal(folder.write("far.nrrd", nrrd("raw", "byte skip: 18446744073709551568\n") +
+                                                   bytes_of(series().values)),
+                      2) ==
+              "its values begin after 18446744073709551568 bytes, must be at most "
+              "9007199254740992");
+        const std::string values = bytes_of(series().values);
+        folder.write("end.raw", values.substr(0, 100));
+        folder.write("end.nhdr", nrrd("raw", "byte skip: -1\ndata file: end.raw\n"));
+        for (const ReadBy by : {ReadBy::host, ReadBy::gps}) {
+            for (const std::uint32_t frame : {1, 2, 3}) {
+                CHECK_THROWS_WITH_AS(read(folder.file("end.nhdr"), frame, by),
+                                     doctest::Contains("of 3 ends at byte 144, end.raw has 100"),
+                                     ImportError);
+            }
+        }
     }
 }
