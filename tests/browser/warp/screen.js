@@ -8,7 +8,7 @@ import { after, say, settled } from '../steps.js';
 export const LEAST_PSNR_DB = 28;  // A warped picture 5 degrees aside, in means of 4 x 4 pixels.
 const LEAST_GAIN_DB = 5;          // Over the picture as it was.
 const MOST_UNKNOWN = 0.08;        // Share of the surface that only the exact picture shows.
-const TRIES = 10;
+const TRIES = 40;         // On a busy computer, most frames of one sample are replaced.
 
 /** The processes of the GPs. */
 function gps() {
