@@ -166,7 +166,6 @@ StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowe
                                       file, shown(channels)));
     }
     take_frames(file, frame, header);
-    volume_dims(file, header.sizes);
     header.scale.slope = number(file, "ElementToIntensityFunctionSlope",
                                 value_or(fields, "elementtointensityfunctionslope", "1"));
     header.scale.intercept = number(file, "ElementToIntensityFunctionOffset",

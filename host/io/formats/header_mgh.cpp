@@ -94,7 +94,6 @@ StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t fr
     read_mgh_sizes(file, raw, header);
     read_mgh_type(file, raw, header);
     take_frames(file, frame, header);
-    volume_dims(file, header.sizes);
     read_mgh_place(raw, header);
     header.big_endian = true;
     header.encoding = raw.encoding;

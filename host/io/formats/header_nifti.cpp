@@ -261,7 +261,6 @@ StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allow
     header.big_endian = fields.big_endian;
     read_sizes(file, fields, header);
     take_frames(file, frame, header);
-    volume_dims(file, header.sizes);
     read_type(file, fields, header);
     read_place(file, fields, header);
     read_scale(fields, header);

@@ -270,7 +270,6 @@ void read_place(const Header& text, std::uint32_t frame, StoredHeader& header) {
     }
     check_order(text, stated, directions);
     take_frames(text.file, frame, header);
-    volume_dims(text.file, header.sizes);
     const auto spacings = numbers(text.file, "spacings", value_or(text.fields, "spacings", ""));
     const glm::dvec3 factors = signs_to_lps(text, header) * unit_factor(text, header);
     for (std::size_t i = 0; i < 3; ++i) {

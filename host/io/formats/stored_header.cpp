@@ -78,9 +78,11 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
     const std::uint64_t values = needed / component_bytes(header.component);
     const std::uint64_t all = header.frames * needed, behind = header.bytes_behind();
     if (is_raw && header.frames > 1 && available < (header.at_end ? all : needed)) {
-        throw ImportError(fmt::format("{}: volume {} of {} ends at byte {}, {} has {}", file,
-                                      header.frame, header.frames,
-                                      header.at_end ? before + all : before + needed,
+        const std::string what =
+            header.at_end ? fmt::format("its {} volumes need", header.frames)
+                          : fmt::format("volume {} of {} ends after", header.frame, header.frames);
+        throw ImportError(fmt::format("{}: {} {} bytes, {} has {}", file, what,
+                                      before + (header.at_end ? all : needed),
                                       data_file.filename().string(), file_bytes));
     }
     const std::uint64_t least = is_raw                               ? needed
@@ -101,7 +103,7 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
                                       data_file.filename().string(), available));
     }
     if (is_raw && available < needed + behind) {
-        header.note_cut_series(data_file.filename().string());
+        header.findings.push_back(cut_series(header, data_file));
     }
     if (header.ends_file && is_raw && available > needed + behind) {
         // More bytes than stated often mean another type or size than stated.
@@ -129,18 +131,18 @@ std::uint64_t StoredHeader::bytes_behind() const {
     return (frames - frame) * needed_bytes(*this);
 }
 
-void StoredHeader::note_cut_series(const std::string& data_file) {
-    find(FindingKind::note,
-         fmt::format("{} ends before the last of its {} volumes: it may be cut off", data_file,
-                     frames));
+Finding cut_series(const StoredHeader& header, const fs::path& data_file) {
+    return {FindingKind::note,
+            fmt::format("{} ends before the last of its {} volumes: it may be cut off",
+                        data_file.filename().string(), header.frames)};
 }
 
 void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header) {
     const std::vector<std::uint64_t> sizes = significant_sizes(header.sizes);
     const bool is_series = sizes.size() == 4;
     const std::uint64_t frames = is_series ? sizes[3] : 1;
-    if (sizes.size() > 4) {
-        volume_dims(file, header.sizes);  // Throws.
+    if (!is_series) {
+        volume_dims(file, header.sizes);
     }
     if (frame > frames) {
         throw ImportError(

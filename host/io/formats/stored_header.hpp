@@ -53,9 +53,6 @@ struct StoredHeader {
     std::uint64_t bytes_before() const;
     std::uint64_t bytes_behind() const;
 
-    /// Adds that the file of a time series ends before its last volume does.
-    void note_cut_series(const std::string& data_file);
-
     void find(FindingKind kind, std::string text) { findings.push_back({kind, std::move(text)}); }
 };
 
@@ -71,10 +68,13 @@ StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedF
 StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t frame);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
-/// Takes the volumes of a time series, the fourth axis, from the sizes.
+/// Takes the volumes of a time series, the fourth axis, from the sizes. Three sizes stay.
 /// frame   The volume to read, from 1; 0: there must be one.
-/// Throws  ImportError naming `frame` and how many volumes there are.
+/// Throws  ImportError naming `frame` and how many volumes there are, or as volume_dims().
 void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header);
+
+/// The file of a time series ends before its last volume does.
+Finding cut_series(const StoredHeader& header, const std::filesystem::path& data_file);
 
 /// Drops the fourth size if it is 1, for formats that always state it.
 void drop_single_frame(StoredHeader& header);

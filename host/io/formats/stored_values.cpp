@@ -167,10 +167,7 @@ void check_end(const std::string& file, const StoredHeader& header, const fs::pa
         return;  // The checksum of so many other volumes takes too long.
     }
     if (source.skip(behind) < behind && !source.is_damaged()) {
-        StoredHeader cut = header;
-        cut.findings.clear();
-        cut.note_cut_series(data.filename().string());
-        volume.findings.push_back(cut.findings.front());
+        volume.findings.push_back(cut_series(header, data));
         return;
     }
     const bool goes_on = source.skip(1) == 1;

@@ -228,7 +228,7 @@ TEST_SUITE("host/io/time series") {
         const Volume second = read(path, 2);
         CHECK(holds(second, values_of(2)));
         CHECK(notes_cut(second, "v.nii") == 1);
-        CHECK(refusal(path, 3) == "volume 3 of 3 ends at byte 496, v.nii has 472");
+        CHECK(refusal(path, 3) == "volume 3 of 3 ends after 496 bytes, v.nii has 472");
         const std::string half = gzipped(folder, whole);
         const Volume first = read(folder.write("h.nii.gz", half.substr(0, half.size() - 12)), 1);
         CHECK(holds(first, values_of(1)));
@@ -251,7 +251,7 @@ TEST_SUITE("host/io/time series") {
         NiftiHeader endless = nifti1_header(one);
         endless.put_dims({4, 4, 3, 2, 32767, 1, 1, 1});
         CHECK(refusal(folder.write("long.nii", endless.bytes()), 32767) ==
-              "volume 32767 of 32767 ends at byte 1573168, long.nii has 352");
+              "volume 32767 of 32767 ends after 1573168 bytes, long.nii has 352");
         NiftiHeader vectors = nifti1_header(one);
         vectors.put_dims({5, 4, 3, 2, 1, 3, 1, 1});
         CHECK(refusal(folder.write("vectors.nii", vectors.bytes()), 3).find("has 5 axes") == 0);
@@ -266,9 +266,10 @@ TEST_SUITE("host/io/time series") {
         folder.write("end.nhdr", nrrd("raw", "byte skip: -1\ndata file: end.raw\n"));
         for (const ReadBy by : {ReadBy::host, ReadBy::gps}) {
             for (const std::uint32_t frame : {1, 2, 3}) {
-                CHECK_THROWS_WITH_AS(read(folder.file("end.nhdr"), frame, by),
-                                     doctest::Contains("of 3 ends at byte 144, end.raw has 100"),
-                                     ImportError);
+                CHECK_THROWS_WITH_AS(
+                    read(folder.file("end.nhdr"), frame, by),
+                    doctest::Contains("its 3 volumes need 144 bytes, end.raw has 100"),
+                    ImportError);
             }
         }
     }
