@@ -166,7 +166,14 @@ Reply run_surface(Session& session, const Arguments& arguments) {
         if (known) {
             session.surfaces.set_style(wish);  // Before a frame is requested with the surface.
         }
-        session.surfaces.set(name, wish.isovalue, wish.table, wish.color);
+        try {
+            session.surfaces.set(name, wish.isovalue, wish.table, wish.color);
+        } catch (...) {
+            if (session.surfaces.find(name) && known) {
+                session.surfaces.set_style(*known);  // The command changes nothing.
+            }
+            throw;
+        }
     }
     session.surfaces.set_style(wish);
     const SurfaceReport& report = session.surfaces.report_of(name);

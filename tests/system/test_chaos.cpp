@@ -3,6 +3,7 @@
 // that names its cause.
 // PXPL5_CHAOS_SEEDS is the number of seeds, PXPL5_CHAOS_FIRST the first one.
 #include <doctest/doctest.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -298,6 +299,26 @@ TEST_CASE("a sweep leaves the surface as it was, whichever allocation fails") {
     CHECK(failures > 50);
 }
 
+TEST_CASE("a surface that a GP has no memory for keeps its color") {
+    const std::vector<std::string> commands = {"size 80x64", "load phantom:sphere",
+                                               "surface a iso=0.5", "surface a iso=0.3 color=red",
+                                               "undo"};
+    Chance chance(1);
+    const Topology topology = machine_of(chance);
+    const Outcome expected = run_session(commands, topology, {});
+    constexpr std::uint64_t places = 200;
+    int failures = 0;
+    for (std::uint64_t place = 0; place < places; ++place) {
+        Fate fate;
+        fate.failing_allocation = place * expected.allocations / places;
+        CAPTURE(fate.failing_allocation);
+        const Outcome outcome = run_session(commands, topology, fate);
+        CHECK(outcome.answers == expected.answers);
+        failures += outcome.failures;
+    }
+    CHECK(failures > 0);
+}
+
 TEST_CASE(
     "a failed allocation in a node costs one command, which succeeds when it is given again") {
     const int first = number_from("PXPL5_CHAOS_FIRST", 1);
@@ -313,6 +334,7 @@ TEST_CASE(
         Fate fate;
         fate.failing_allocation = below(chance, expected.allocations);
         CAPTURE(fate.failing_allocation);
+        CAPTURE(fmt::format("{}", fmt::join(commands, "; ")));
         const Outcome outcome = run_session(commands, topology, fate);
         CHECK_MESSAGE(outcome.error.empty(), outcome.error);
         REQUIRE(outcome.answers.size() == expected.answers.size());
