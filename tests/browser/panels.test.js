@@ -303,6 +303,18 @@ test('what the machine of 1993 would have taken is told when asked for, until th
   await byId('model-message').getByText('changed').waitFor();
 });
 
+test('the buttons of a node stay in place, whatever the node reports', async () => {
+  await byId('node-gp-0').click();
+  const boxWith = async sent => {
+    await byId('node-dialog').getByText('No messages were sent.').waitFor({ state: sent });
+    return byId('node-kill').boundingBox();
+  };
+  const idle = await boxWith('attached');
+  await after(page, () => say(raw, 'view 20 20'));
+  assert.deepEqual(await boxWith('detached'), idle);
+  await byId('node-close').click();
+});
+
 test('a killed node is told of, and the same picture comes back', async () => {
   await after(page, () => say(raw, 'view 30 15'));
   await after(page, () => say(raw, 'background #102040'));

@@ -44,7 +44,8 @@ export class NodeDialog {
       'aria-label': name, onclose: () => dialog.remove()});
     const mortal = MORTAL.has(role) && kill !== null;
     /** @private */ this.status_ = h('p', {class: 'muted', 'data-testid': 'node-status'});
-    /** @private */ this.tables_ = h('div', {class: 'node-tables'});
+    /** @private */ this.tables_ = h('div', {class: 'node-tables', tabindex: 0,
+      role: 'region', 'aria-label': `Report of ${name}`});  // It scrolls, also by keys.
     /** @private */ this.end_ = h('button', {type: 'button', class: 'danger',
       'data-testid': 'node-kill', onclick: () => {
         dialog.close();
