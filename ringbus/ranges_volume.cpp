@@ -74,7 +74,10 @@ std::string range_of(const schema::VolumeHeader& header, Elements elements) {
         .finite("maximum", header.maximum())
         .at_most("minimum", header.minimum(), header.maximum())
         .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels)
-        .length("suv_per_value", header.suv_per_value());
+        .length("suv_per_value", header.suv_per_value())
+        .within("frames", header.frames(), 1, max_frames)
+        .within("frame", header.frame(), 1, header.frames())
+        .within("frame_ms", header.frame_ms(), 0.0, max_frame_ms);
     check_slices(check, header);
     check.add(files_out_of_range(header, elements));
     if (header.windows() != nullptr) {

@@ -12,7 +12,6 @@ namespace pxpl5::host {
 namespace {
 
 constexpr int max_voxels = static_cast<int>(max_volume_voxels);
-constexpr int max_frames = 1'000'000;
 
 std::vector<std::string> split(std::string_view text, char separator) {
     std::vector<std::string> parts(1);

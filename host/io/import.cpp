@@ -336,16 +336,15 @@ std::string name_of(const fs::path& path) {
 
 Volume import_phantom(const ImportRequest& request) {
     if (request.raw || request.spacing_mm || !request.series.empty() ||
-        !request.orientation.empty() || request.origin_mm || request.frame > 1) {
+        !request.orientation.empty() || request.origin_mm) {
         throw ImportError(request.path +
-                          ": a phantom has its own spacing, place, layout and series, and one "
-                          "volume");
+                          ": a phantom has its own spacing, place, layout and series");
     }
     if (request.read == ReadBy::gps) {
         throw ImportError(request.path + ": a phantom has no file that GPs could read (read=gps)");
     }
     try {
-        return make_phantom(request.path);
+        return make_phantom(request.path, std::max(1, static_cast<int>(request.frame)));
     } catch (const std::invalid_argument& error) {
         throw ImportError(error.what());
     }

@@ -18,6 +18,7 @@ PhantomInfo head_info();
 PhantomInfo sphere_info();
 PhantomInfo torus_info();
 PhantomInfo letters_info();
+PhantomInfo heart_info();
 
 Volume make_pelvis(const PhantomInfo& info);
 Volume make_fetus(const PhantomInfo& info);
@@ -25,6 +26,8 @@ Volume make_head(const PhantomInfo& info);
 Volume make_sphere(const PhantomInfo& info);
 Volume make_torus(const PhantomInfo& info);
 Volume make_letters(const PhantomInfo& info);
+/// frame  From 1.
+Volume make_heart(const PhantomInfo& info, int frame);
 
 /// The grid that an info describes, centered on `center_mm`.
 inline Grid grid_of(const PhantomInfo& info, glm::vec3 center_mm = glm::vec3(0)) {

@@ -34,6 +34,8 @@ struct PhantomInfo {
     std::array<double, 3> spacing_mm{};
     std::vector<PhantomSurface> surfaces;  ///< The first is the one to show unasked.
     std::vector<PhantomLength> lengths;    ///< Empty unless the shape is analytic.
+    int frames = 1;                        ///< Volumes of its time series.
+    double frame_ms = 0;                   ///< From one volume to the next; 0 without a series.
 };
 
 /// All phantoms, in the order in which to list them.
@@ -48,8 +50,10 @@ std::vector<PhantomSurface> suggested_surfaces(std::string_view volume_name);
 /// Computes a phantom.
 ///
 /// name     As in PhantomInfo::name.
+/// frame    Number in the phantom's time series, from 1.
 /// Returns  Voxels, and their place: x to the patient's left, y to the back, z to the head (LPS).
-/// Throws   std::invalid_argument naming the known phantoms and the nearest.
-Volume make_phantom(std::string_view name);
+/// Throws   std::invalid_argument naming the known phantoms and the nearest, or `frame` and how
+///          many volumes there are.
+Volume make_phantom(std::string_view name, int frame = 1);
 
 }  // namespace pxpl5::host

@@ -1,5 +1,6 @@
 #include "host/session/volume_reader.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <stdexcept>
 #include <utility>
@@ -15,12 +16,12 @@ namespace schema = bus::schema;
 
 namespace {
 
-/// True if the voxels are not processed.
+/// True if the voxels are not processed; they may be those of any volume of a time series.
 bool is_plain(const ImportOptions& options) {
     return options.series.empty() && options.spacing_mm.empty() && !options.raw &&
            options.orientation.empty() && options.origin_mm.empty() && options.crop_first.empty() &&
            options.crop_size.empty() && options.resample_size.empty() &&
-           options.resample_spacing_mm.empty() && options.smooth_mm == 0 && options.frame == 0 &&
+           options.resample_spacing_mm.empty() && options.smooth_mm == 0 &&
            options.read != ReadBy::gps;
 }
 
@@ -58,12 +59,12 @@ void VolumeReader::begin(const schema::VolumeHeader& header) {
     receiver_ = std::move(receiver);
 }
 
-Volume VolumeReader::read_phantom(const std::string& source) {
+Volume VolumeReader::read_phantom(const std::string& source, int frame) {
     if (settings_.will_write) {
         conversation_.machine().prepare_io();
     }
     try {
-        Volume volume = make_phantom(source);
+        Volume volume = make_phantom(source, frame);
         Digest digest;
         digest.add(volume.values);
         volume.digest = digest.value();
@@ -77,7 +78,7 @@ Volume VolumeReader::read_phantom(const std::string& source) {
 Volume VolumeReader::read(const std::string& source, const ImportOptions& options,
                           const OnSlices& on_slices) {
     if (is_phantom(source) && is_plain(options)) {
-        return read_phantom(source);
+        return read_phantom(source, std::max(1, static_cast<int>(options.frame)));
     }
     struct Forget {
         VolumeReader& reader;

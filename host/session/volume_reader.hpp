@@ -43,7 +43,7 @@ class VolumeReader {
                 const OnSlices& on_slices = {});
 
   private:
-    Volume read_phantom(const std::string& source);
+    Volume read_phantom(const std::string& source, int frame);
     void begin(const bus::schema::VolumeHeader& header);
 
     Conversation& conversation_;

@@ -47,6 +47,8 @@ struct Volume {
     /// Standardized uptake value by body weight (g/ml) of a value of 1; 0 if it is not known.
     double suv_per_value = 0;
     std::string series;             ///< SeriesInstanceUID of DICOM files; else empty.
+    int frame = 1, frames = 1;      ///< Number in its time series, from 1, and how many there are.
+    double frame_ms = 0;            ///< From one volume of the series to the next; 0 if unknown.
     std::vector<Finding> findings;  ///< Facts that the user must know.
     int slabs_per_set = 1;          ///< Adjacent slabs that go to one GP; 1 in the paper.
     std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.

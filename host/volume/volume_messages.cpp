@@ -66,6 +66,9 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.series = volume.series;
     header.unit = volume.unit;
     header.suv_per_value = volume.suv_per_value;
+    header.frame = static_cast<std::uint32_t>(volume.frame);
+    header.frames = static_cast<std::uint32_t>(volume.frames);
+    header.frame_ms = volume.frame_ms;
     for (const NamedWindow& window : volume.windows) {
         auto wire = std::make_unique<schema::NamedWindowT>();
         wire->name = window.name;
@@ -119,6 +122,9 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
     volume_.series = header.series() != nullptr ? header.series()->str() : "";
     volume_.unit = header.unit() != nullptr ? header.unit()->str() : "";
     volume_.suv_per_value = header.suv_per_value();
+    volume_.frame = static_cast<int>(header.frame());
+    volume_.frames = static_cast<int>(header.frames());
+    volume_.frame_ms = header.frame_ms();
     if (header.windows() != nullptr) {
         for (const auto* window : *header.windows()) {
             volume_.windows.push_back({window->name()->str(), window->width(), window->level()});

@@ -84,6 +84,9 @@ void check(const VolumeHeader& header) {
         in("level of a window", window.level(), -most_window, most_window);
     });
     in("suv_per_value", header.suv_per_value(), 0, std::numeric_limits<double>::max());
+    in("frames", header.frames(), 1, max_frames);
+    in("frame", header.frame(), 1, header.frames());
+    in("frame_ms", header.frame_ms(), 0, max_frame_ms);
 }
 
 void check(const Slices& slices) {

@@ -69,6 +69,9 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VolumeHeaderT, m.gap_slabs.push_back(3), "gap_slabs is 3, allowed are 4");
         CHECK_REFUSED(VolumeHeaderT, m.slabs_per_set = 0, "slabs_per_set is 0");
         CHECK_REFUSED(VolumeHeaderT, m.suv_per_value = -1, "suv_per_value is -1");
+        CHECK_REFUSED(VolumeHeaderT, m.frames = 0, "frames is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.frame = 6, "frame is 6, allowed are 1 .. 5");
+        CHECK_REFUSED(VolumeHeaderT, m.frame_ms = nan_value, "frame_ms is nan");
         CHECK_REFUSED(VolumeHeaderT, m.windows[0]->width = 0, "width of a window is 0");
         CHECK_REFUSED(VolumeHeaderT, m.windows[0]->level = nan_value, "level of a window is nan");
         CHECK_REFUSED(VolumeHeaderT, m.findings[0]->kind = static_cast<FindingKind>(99),

@@ -56,7 +56,7 @@ std::string KnownVolume::build_again(const std::string& missing) {
     }
     Volume built;
     try {
-        built = make_phantom(source);
+        built = make_phantom(source, static_cast<int>(header().frame()));
     } catch (const std::invalid_argument& error) {
         return fmt::format("{}; {}", lacking, error.what());
     }

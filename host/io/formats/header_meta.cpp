@@ -165,7 +165,7 @@ StoredHeader read_meta_header(const fs::path& path, const AllowedFolders& allowe
         throw ImportError(fmt::format("{}: ElementNumberOfChannels is {}, a scalar volume has 1",
                                       file, shown(channels)));
     }
-    take_frames(file, frame, header);
+    take_frames(file, frame, FourthAxis::time, header);
     header.scale.slope = number(file, "ElementToIntensityFunctionSlope",
                                 value_or(fields, "elementtointensityfunctionslope", "1"));
     header.scale.intercept = number(file, "ElementToIntensityFunctionOffset",

@@ -93,7 +93,7 @@ StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t fr
     StoredHeader header;
     read_mgh_sizes(file, raw, header);
     read_mgh_type(file, raw, header);
-    take_frames(file, frame, header);
+    take_frames(file, frame, FourthAxis::time, header);
     read_mgh_place(raw, header);
     header.big_endian = true;
     header.encoding = raw.encoding;

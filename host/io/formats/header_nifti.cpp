@@ -127,6 +127,18 @@ double read_unit(const NiftiFields& fields, StoredHeader& header) {
     return 1;
 }
 
+/// Milliseconds between the volumes of a time series; 0 if the file does not state them.
+double frame_ms_of(const NiftiFields& fields) {
+    constexpr int time_unit = 0x38, seconds = 8, milliseconds = 16, microseconds = 24;
+    const int unit = fields.xyzt_units & time_unit;
+    const double factor = unit == seconds        ? 1000
+                          : unit == milliseconds ? 1
+                          : unit == microseconds ? 1e-3
+                                                 : 0;
+    const double ms = fields.pixdim[4] * factor;
+    return std::isfinite(ms) && ms > 0 ? ms : 0;
+}
+
 /// The quaternion's rotation, RAS. Source: nifti1.h, "METHOD 2".
 glm::dmat3 rotation_of(const std::string& file, const NiftiFields& fields) {
     const double b = fields.quatern[0], c = fields.quatern[1], d = fields.quatern[2];
@@ -260,7 +272,8 @@ StoredHeader read_nifti_header(const fs::path& path, const AllowedFolders& allow
     header.allowed = allowed;
     header.big_endian = fields.big_endian;
     read_sizes(file, fields, header);
-    take_frames(file, frame, header);
+    take_frames(file, frame, FourthAxis::time, header);
+    header.frame_ms = frame_ms_of(fields);
     read_type(file, fields, header);
     read_place(file, fields, header);
     read_scale(fields, header);

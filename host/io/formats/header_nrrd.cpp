@@ -237,13 +237,39 @@ std::vector<std::size_t> volume_axes(
     return axes;
 }
 
+/// The kind of an axis in small letters; "none" if the header states none.
+std::string kind_of_axis(const Header& text, std::size_t axis) {
+    const std::vector<std::string> kinds = words_of(value_or(text.fields, "kinds", ""));
+    return axis < kinds.size() ? lower_case(kinds[axis]) : "none";
+}
+
+/// Milliseconds between the volumes along `axis`; 0 if the header does not state them in seconds or
+/// milliseconds.
+double frame_ms_of(const Header& text, std::size_t axis, const std::vector<double>& spacings) {
+    std::string units = value_or(text.fields, "units", "");
+    std::vector<std::string> quoted;  // "mm" "mm" "" "s": one for each axis.
+    for (std::size_t from = units.find('"'); from != std::string::npos;
+         from = units.find('"', from)) {
+        const std::size_t to = units.find('"', from + 1);
+        if (to == std::string::npos) {
+            break;
+        }
+        quoted.push_back(units.substr(from + 1, to - from - 1));
+        from = to + 1;
+    }
+    if (axis >= quoted.size() || axis >= spacings.size() || !(spacings[axis] > 0) ||
+        !std::isfinite(spacings[axis])) {
+        return 0;
+    }
+    return quoted[axis] == "s" ? 1000 * spacings[axis] : quoted[axis] == "ms" ? spacings[axis] : 0;
+}
+
 /// Throws ImportError if an axis before the last is not in space, or the last one is of vectors or
 /// colors.
 void check_order(const Header& text, const std::vector<std::uint64_t>& sizes,
                  const std::vector<std::optional<std::vector<double>>>& directions) {
-    const std::vector<std::string> kinds = words_of(value_or(text.fields, "kinds", ""));
     for (std::size_t axis = 0; axis < sizes.size() && sizes.size() > 3; ++axis) {
-        const std::string kind = axis < kinds.size() ? lower_case(kinds[axis]) : "none";
+        const std::string kind = kind_of_axis(text, axis);
         const bool may_be_space =
             kind == "domain" || kind == "space" || kind == "???" || kind == "none";
         const bool is_outside = (axis < directions.size() && !directions[axis]) || !may_be_space;
@@ -269,8 +295,14 @@ void read_place(const Header& text, std::uint32_t frame, StoredHeader& header) {
         header.sizes.push_back(stated[axis]);
     }
     check_order(text, stated, directions);
-    take_frames(text.file, frame, header);
+    take_frames(text.file, frame,
+                axes.size() == 4 && kind_of_axis(text, axes[3]) == "time" ? FourthAxis::time
+                                                                          : FourthAxis::unknown,
+                header);
     const auto spacings = numbers(text.file, "spacings", value_or(text.fields, "spacings", ""));
+    if (axes.size() == 4) {
+        header.frame_ms = frame_ms_of(text, axes[3], spacings);
+    }
     const glm::dvec3 factors = signs_to_lps(text, header) * unit_factor(text, header);
     for (std::size_t i = 0; i < 3; ++i) {
         const std::size_t axis = i < axes.size() ? axes[i] : stated.size();

@@ -6,6 +6,7 @@
 #include <array>
 #include <fstream>
 
+#include "generated/vocabulary.hpp"
 #include "host/base/part_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/values/header_text.hpp"
@@ -22,7 +23,6 @@ constexpr std::uint64_t max_gzip_ratio = 1032;     // Deflate's best.
 constexpr std::uint64_t max_bzip2_ratio = 32'768;  // 900 kB of one byte take 39 bytes.
 constexpr std::uint64_t min_ascii_bytes = 2;       // A digit and a separator.
 constexpr std::size_t max_axes = 16;
-constexpr std::uint64_t max_frames = 1'000'000;
 
 bool ends_with_any(const std::string& name, std::initializer_list<const char*> suffixes) {
     return std::any_of(suffixes.begin(), suffixes.end(),
@@ -137,7 +137,8 @@ Finding cut_series(const StoredHeader& header, const fs::path& data_file) {
                         data_file.filename().string(), header.frames)};
 }
 
-void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header) {
+void take_frames(const std::string& file, std::uint32_t frame, FourthAxis axis,
+                 StoredHeader& header) {
     const std::vector<std::uint64_t> sizes = significant_sizes(header.sizes);
     const bool is_series = sizes.size() == 4;
     const std::uint64_t frames = is_series ? sizes[3] : 1;
@@ -158,19 +159,22 @@ void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& hea
     }
     header.sizes.resize(3);
     volume_dims(file, header.sizes);
-    if (frames > max_frames) {  // The bytes of all could not be counted.
+    if (frames > std::uint64_t{max_frames}) {  // The bytes of all could not be counted.
         throw ImportError(
             fmt::format("{}: has {} volumes, must be at most {}", file, frames, max_frames));
     }
-    if (frame == 0) {
+    if (frame == 0 && axis == FourthAxis::unknown) {
         throw ImportError(
             fmt::format("{}: has 4 axes ({}). If it is a time series, select a volume with "
                         "frame=N, 1 to {}. Vectors and color are not read",
                         file, join_sizes(sizes), frames));
     }
     header.frames = frames;
-    header.frame = frame;
-    header.find(FindingKind::note, fmt::format("volume {} of {} of a time series", frame, frames));
+    header.frame = std::max<std::uint32_t>(frame, 1);
+    header.series_frame = static_cast<int>(header.frame);
+    header.series_frames = static_cast<int>(frames);
+    header.find(FindingKind::note,
+                fmt::format("volume {} of {} of a time series", header.frame, frames));
 }
 
 void drop_single_frame(StoredHeader& header) {

@@ -29,7 +29,10 @@ struct StoredHeader {
     std::vector<std::uint64_t> sizes;
     std::uint64_t frames = 1;  ///< Volumes of a time series, one after the other in a file.
     std::uint64_t frame = 1;   ///< The volume that is read, from 1.
-    std::string type;          ///< The header's spelling.
+    /// The volume's number in its time series, and how many there are, also in several files.
+    int series_frame = 1, series_frames = 1;
+    double frame_ms = 0;  ///< From one volume of the series to the next; 0 if not stated.
+    std::string type;     ///< The header's spelling.
     Component component = Component::uint8;
     bool big_endian = false;
     Encoding encoding = Encoding::raw;
@@ -58,7 +61,7 @@ struct StoredHeader {
 
 /// Read the header of `path`. Its data files lie as DataFile wants them. Throw ImportError naming
 /// the field and its value.
-/// frame  Volume of a time series, from 1; 0: the file must have one volume.
+/// frame  Volume of a time series, from 1; 0: as take_frames().
 StoredHeader read_nrrd_header(const std::filesystem::path& path, const AllowedFolders& allowed,
                               std::uint32_t frame);
 StoredHeader read_meta_header(const std::filesystem::path& path, const AllowedFolders& allowed,
@@ -68,10 +71,14 @@ StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedF
 StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t frame);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
 
+/// Whether a fourth axis can only be time.
+enum class FourthAxis : std::uint8_t { time, unknown };
+
 /// Takes the volumes of a time series, the fourth axis, from the sizes. Three sizes stay.
-/// frame   The volume to read, from 1; 0: there must be one.
+/// frame   The volume to read, from 1; 0: the first if the axis is time, else there must be one.
 /// Throws  ImportError naming `frame` and how many volumes there are, or as volume_dims().
-void take_frames(const std::string& file, std::uint32_t frame, StoredHeader& header);
+void take_frames(const std::string& file, std::uint32_t frame, FourthAxis axis,
+                 StoredHeader& header);
 
 /// The file of a time series ends before its last volume does.
 Finding cut_series(const StoredHeader& header, const std::filesystem::path& data_file);

@@ -234,6 +234,10 @@ Volume empty_volume(const fs::path& path, const StoredHeader& header) {
     volume.nz = dims[2];
     volume.voxel_to_patient = header.voxel_to_patient;
     volume.findings = header.findings;
+    volume.frame = header.series_frame;
+    volume.frames = header.series_frames;
+    volume.frame_ms =
+        header.series_frames > 1 && header.frame_ms <= max_frame_ms ? header.frame_ms : 0;
     return volume;
 }
 

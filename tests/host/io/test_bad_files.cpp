@@ -132,10 +132,12 @@ TEST_SUITE("host/io/bad_files") {
                                                      "encoding: raw\nendian: little\n\n" +
                                                      std::string(32, 'x'))) ==
               "row.nrrd: has 1 axes (16), a volume has 3");
-        NiftiHeader series;
-        series.put_dims({4, 2, 2, 2, 5, 1, 1, 1});
-        CHECK(complaint(folder.write("series.nii", series.bytes() + std::string(80, 'x'))) ==
-              "series.nii: has 4 axes (2x2x2x5). If it is a time series, select a volume with "
+        CHECK(complaint(folder.write("series.nrrd",
+                                     nrrd_head +
+                                         "dimension: 4\nsizes: 2 2 2 5\nencoding: raw\nendian: "
+                                         "little\n\n" +
+                                         std::string(80, 'x'))) ==
+              "series.nrrd: has 4 axes (2x2x2x5). If it is a time series, select a volume with "
               "frame=N, 1 to 5. Vectors and color are not read");
     }
 

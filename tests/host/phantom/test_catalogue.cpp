@@ -47,7 +47,7 @@ TEST_SUITE("host/phantom/catalogue") {
             for (int i = 0; i < 3; ++i)
                 CHECK(v.voxel_to_patient[i][i] == info.spacing_mm[static_cast<std::size_t>(i)]);
         }
-        CHECK(names.size() == 6);
+        CHECK(names.size() == 7);
     }
 
     TEST_CASE("minimum and maximum are those of the voxels, and isovalues lie between") {
@@ -82,6 +82,23 @@ TEST_SUITE("host/phantom/catalogue") {
         CHECK(holds(message_for("phantom:"), "Known:"));
     }
 
+    TEST_CASE("each volume of a time series says which one it is") {
+        const host::PhantomInfo heart = info_of("phantom:heart");
+        CHECK(heart.frames == 30);
+        CHECK(heart.frame_ms == 30);
+        std::set<std::vector<std::byte>> seen;
+        for (const int frame : {1, 4, 12}) {
+            const host::Volume volume = host::make_phantom(heart.name, frame);
+            CHECK(volume.frame == frame);
+            CHECK(volume.frames == heart.frames);
+            CHECK(volume.frame_ms == heart.frame_ms);
+            CHECK(seen.insert(volume.values).second);
+        }
+        CHECK_THROWS_AS(host::make_phantom(heart.name, 0), std::invalid_argument);
+        CHECK_THROWS_AS(host::make_phantom(heart.name, 31), std::invalid_argument);
+        CHECK_THROWS_AS(host::make_phantom("phantom:torus", 2), std::invalid_argument);
+    }
+
     TEST_CASE("a name is a phantom's by its prefix") {
         CHECK(host::is_phantom("phantom:nothing"));
         CHECK_FALSE(host::is_phantom("phantom.nrrd"));
@@ -91,10 +108,12 @@ TEST_SUITE("host/phantom/catalogue") {
     TEST_CASE("voxels are the same to the bit as everywhere") {
         std::ostringstream got;
         for (const host::PhantomInfo& info : host::phantoms()) {
-            host::Digest digest;
-            digest.add(host::make_phantom(info.name).values);
-            got << info.name << ' ' << std::hex << std::setw(16) << std::setfill('0')
-                << digest.value() << '\n';
+            for (int frame = 1; frame <= info.frames; frame += 12) {
+                host::Digest digest;
+                digest.add(host::make_phantom(info.name, frame).values);
+                got << info.name << (frame > 1 ? " frame=" + std::to_string(frame) : "") << ' '
+                    << std::hex << std::setw(16) << std::setfill('0') << digest.value() << '\n';
+            }
         }
         check_golden("phantom.txt", got.str(), "ctest --preset release -R host_phantom");
     }

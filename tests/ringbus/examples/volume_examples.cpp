@@ -48,6 +48,9 @@ schema::VolumeHeaderT example_header() {
     header.windows[0]->width = 1500;
     header.windows[0]->level = -600;
     header.suv_per_value = 0.25;
+    header.frame = 2;
+    header.frames = 5;
+    header.frame_ms = 30;
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";
