@@ -69,7 +69,7 @@ void drop_surface(Board& board, std::uint16_t surface) {
     board.surfaces.erase(held);
 }
 
-void drop_content(Board& board) {
+void drop_content(Board& board, Freed freed) {
     while (!board.surfaces.empty()) {
         drop_surface(board, board.surfaces.begin()->first);
     }
@@ -79,7 +79,9 @@ void drop_content(Board& board) {
     board.restored = {};
     board.frame.drawing = {};
     board.frame.programs = {};
-    return_freed_memory();
+    if (freed == Freed::returned) {
+        return_freed_memory();
+    }
 }
 
 schema::VolumeReadyT volume_ready(const Board& board) {

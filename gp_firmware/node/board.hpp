@@ -64,9 +64,14 @@ struct Board {
 /// Discards a stored surface.
 void drop_surface(Board& board, std::uint16_t surface);
 
-/// Discards slices, surfaces and working memory, and returns it to the system: the next volume may
-/// need little. The number of the volume stays.
-void drop_content(Board& board);
+/// The use of the memory of discarded content.
+enum class Freed : std::uint8_t {
+    returned,  ///< The system gets it: the next content may need little.
+    kept       ///< The process keeps it for content of the same size.
+};
+
+/// Discards slices, surfaces and working memory. The number of the volume stays.
+void drop_content(Board& board, Freed freed);
 
 /// Returns a VolumeReady with the fields that volumes and scenes share.
 bus::schema::VolumeReadyT volume_ready(const Board& board);

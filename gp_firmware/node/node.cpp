@@ -72,7 +72,7 @@ void GpNode::receive(const bus::Message& message, bus::Outbox& out) {
 void GpNode::dispatch(const bus::Message& message, bus::Outbox& out) {
     switch (message.kind()) {
         case bus::Body::VolumeHeader:
-            drop_all(out);
+            drop_all(out, freed_for(*message.as<schema::VolumeHeader>(), *board_));
             return begin_volume(*message.as<schema::VolumeHeader>(), *board_, queue_);
         case bus::Body::Slices:
             return note_slices(message, *board_, queue_);
@@ -155,7 +155,7 @@ void GpNode::set_machine(const bus::Message& topology) {
 
 /// Discards the volume or scene and all jobs. Answers the discarded frames, because the Renderers
 /// wait for a message of each GP, and the discarded questions, because the host counts the answers.
-void GpNode::drop_all(bus::Outbox& out) {
+void GpNode::drop_all(bus::Outbox& out, Freed freed) {
     for (const Job& job : queue_.clear()) {
         if (const auto* frame = std::get_if<DrawJob>(&job)) {
             send_nothing(*frame, *board_, out);
@@ -167,7 +167,7 @@ void GpNode::drop_all(bus::Outbox& out) {
             answer_dropped(*voxels, out);
         }
     }
-    drop_content(*board_);
+    drop_content(*board_, freed);
 }
 
 }  // namespace pxpl5::gp

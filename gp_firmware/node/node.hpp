@@ -35,7 +35,7 @@ class GpNode final : public bus::Node {
   private:
     void set_machine(const bus::Message& topology);
     void dispatch(const bus::Message& message, bus::Outbox& out);
-    void drop_all(bus::Outbox& out);
+    void drop_all(bus::Outbox& out, Freed freed = Freed::returned);
 
     std::optional<Board> board_;  ///< Empty until Topology has arrived.
     JobQueue queue_;

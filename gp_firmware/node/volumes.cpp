@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 #include "gp_firmware/node/messages.hpp"
 #include "gp_firmware/node/stages.hpp"
 #include "ringbus/stored_volume.hpp"
@@ -21,6 +23,17 @@ using schema::FaultCode;
 }
 
 }  // namespace
+
+Freed freed_for(const schema::VolumeHeader& next, const Board& board) {
+    if (!board.store) {
+        return Freed::returned;
+    }
+    const VolumeShape& now = board.store->shape();
+    return std::cmp_equal(next.nx(), now.nx) && std::cmp_equal(next.ny(), now.ny) &&
+                   std::cmp_equal(next.nz(), now.nz) && next.type() == now.type
+               ? Freed::kept
+               : Freed::returned;
+}
 
 void begin_volume(const schema::VolumeHeader& header, Board& board, JobQueue& queue) {
     board.volume = header.volume();
