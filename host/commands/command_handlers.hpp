@@ -39,6 +39,9 @@ Reply run_oblique(Session& session, const Arguments& arguments);
 Reply run_measure(Session& session, const Arguments& arguments);
 Reply run_why(Session& session, const Arguments& arguments);
 Reply run_atlas(Session& session, const Arguments& arguments);
+Reply run_time(Session& session, const Arguments& arguments);
+Reply run_cine(Session& session, const Arguments& arguments);
+Reply run_curve(Session& session, const Arguments& arguments);
 Reply run_components(Session& session, const Arguments& arguments);
 /// Adds the component of `surface` at a point, patient (LPS), to the reply of `pick`.
 void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Reply& reply);

@@ -10,7 +10,7 @@
 #include "host/base/error.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/commands/command_handlers.hpp"
-#include "host/session/activity_text.hpp"
+#include "host/commands/text/activity_text.hpp"
 
 namespace pxpl5::host {
 

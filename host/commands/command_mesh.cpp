@@ -112,11 +112,12 @@ struct DrawnCounts {
     /// Cavities that are not drawn although the components around them are.
     std::int64_t filled = 0;
     double filled_ml = 0;
-    std::optional<double> drawn_ml = 0;  ///< Nothing unless all drawn components are closed.
+    std::optional<double> drawn_ml;  ///< See DrawnComponents::volume_ml().
 };
 
 DrawnCounts counts_of(const DrawnComponents& components) {
     DrawnCounts counts;
+    counts.drawn_ml = components.volume_ml();
     const std::vector<MeshComponent>& list = components.parts.components;
     for (const MeshComponent& part : list) {
         const bool is_drawn = components.is_drawn(part);
@@ -124,11 +125,7 @@ DrawnCounts counts_of(const DrawnComponents& components) {
         counts.cavities += part.cavity ? 1 : 0;
         counts.drawn += is_drawn ? 1 : 0;
         counts.drawn_cavities += is_drawn && part.cavity ? 1 : 0;
-        if (is_drawn) {
-            counts.drawn_ml = counts.drawn_ml && part.closed
-                                  ? std::optional(*counts.drawn_ml + *part.volume_mm3 / 1000)
-                                  : std::nullopt;
-        } else if (part.cavity_of && components.is_drawn(list[*part.cavity_of])) {
+        if (!is_drawn && part.cavity_of && components.is_drawn(list[*part.cavity_of])) {
             ++counts.filled;
             counts.filled_ml -= *part.volume_mm3 / 1000;
         }

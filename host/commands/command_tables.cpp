@@ -7,9 +7,9 @@ CommandTable command_table() {
     static const std::vector<Command> table = [] {
         std::vector<Command> rows;
         for (const auto& group :
-             {volume_commands(), slice_commands(), surface_commands(), mesh_commands(),
-              view_commands(), style_commands(), drawing_commands(), pixel_commands(),
-              picture_commands(), machine_commands(), session_commands()}) {
+             {volume_commands(), series_commands(), slice_commands(), surface_commands(),
+              mesh_commands(), view_commands(), style_commands(), drawing_commands(),
+              pixel_commands(), picture_commands(), machine_commands(), session_commands()}) {
             rows.insert(rows.end(), group.begin(), group.end());
         }
         return rows;

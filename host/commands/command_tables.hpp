@@ -18,6 +18,7 @@ using Words = std::array<std::string_view, 2>;
 inline constexpr Words on_off = {"on", "off"}, yes_no = {"yes", "no"};
 
 std::vector<Command> volume_commands();
+std::vector<Command> series_commands();
 std::vector<Command> slice_commands();
 std::vector<Command> surface_commands();
 std::vector<Command> mesh_commands();

@@ -1,6 +1,7 @@
 // Rows of commands about volumes, surfaces and meshes.
 #include <array>
 
+#include "generated/vocabulary.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_tables.hpp"
 #include "host/commands/load_options.hpp"
@@ -15,6 +16,9 @@ constexpr Words part_choices = {"all", "largest"};
 constexpr std::array<std::string_view, 1> off_choice = {"off"};
 constexpr std::array<std::string_view, 3> axis_choices = {"x", "y", "z"};
 constexpr std::array<std::string_view, 5> mesh_suffixes = {".stl", ".ply", ".obj", ".vtp", ".glb"};
+
+constexpr std::array<std::string_view, 6> curve_suffixes = {".csv",  ".png", ".tif",
+                                                            ".tiff", ".svg", ".pdf"};
 
 constexpr Parameter surface_word{"NAME", "NAME", "name of a surface"};
 
@@ -64,6 +68,31 @@ std::vector<Command> volume_commands() {
           .help = "Counts the voxels in each range of values.",
           .words = {whole_value("BINS", "BINS", 1, max_histogram_bins, "number of ranges", "256")}},
          run_histogram},
+    };
+}
+
+std::vector<Command> series_commands() {
+    const Parameter from = whole_value("from", "N", 1, max_frames, "first volume", "1");
+    const Parameter to = whole_value("to", "N", 1, max_frames, "last volume");
+    return {
+        {{.name = "time",
+          .help = "Shows another volume of a time series, with the same surfaces and clip planes; "
+                  "without a word, prints which one is shown.",
+          .words = {{"WHICH", "N|next|previous", ""}},
+          .options = {number_value("at", "MS", 0, max_frame_ms,
+                                   "show the volume nearest to this time after the first", "ms")},
+          .forms = "[N|next|previous]",
+          .kind = CommandKind::setting},
+         run_time},
+        {{.name = "curve",
+          .help = "Measures all surfaces in each volume of a time series; writes the curves into "
+                  "FILE as a table or a chart. The ejection fraction is (largest - least) / "
+                  "largest volume.",
+          .words = {output_value("FILE", curve_suffixes, "table or chart to write")},
+          .options = {from, to},
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_curve},
     };
 }
 

@@ -1,6 +1,7 @@
 // Rows of commands about pictures, the machine and the session itself.
 #include <array>
 
+#include "generated/vocabulary.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/command_tables.hpp"
 #include "host/film/film.hpp"
@@ -85,6 +86,17 @@ std::vector<Command> picture_commands() {
           .is_long = true,
           .stage = RenderStage::output},
          run_sweep},
+        {{.name = "cine",
+          .help = "Draws each volume of a time series and writes the pictures. Films are in real "
+                  "time if the volumes are at most 200 ms apart.",
+          .words = {pattern},
+          .options = {whole_value("from", "N", 1, max_frames, "first volume", "1"),
+                      whole_value("to", "N", 1, max_frames, "last volume"), delay, rate,
+                      size_of_pictures, samples_of_pictures, ground_of_pictures},
+          .kind = CommandKind::action,
+          .is_long = true,
+          .stage = RenderStage::output},
+         run_cine},
     };
 }
 

@@ -4,6 +4,7 @@
 #include "host/base/error.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/load_options.hpp"
+#include "host/commands/pictures/chart_file.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/commands/text/progress_bar.hpp"
 #include "host/commands/text/volume_text.hpp"
@@ -66,21 +67,6 @@ AtlasContent atlas_content(const Volume& volume, const std::vector<AtlasRow>& ro
                          counted.first + counted.width * static_cast<double>(counted.counts.size()),
                          counted.counts};
     return content;
-}
-
-void write_chart(Session& session, const AtlasContent& content, const std::string& path) {
-    const AtlasChart chart = atlas_chart(content);
-    const MarkColor& c = chart.background;
-    const auto paper = static_cast<std::uint32_t>(c.r | c.g << 8 | c.b << 16) | 0xff00'0000U;
-    const Picture picture{
-        chart.size.width, chart.size.height,
-        std::vector<std::uint32_t>(static_cast<std::size_t>(chart.size.width) *
-                                       static_cast<std::size_t>(chart.size.height),
-                                   paper)};
-    PictureExtras extras;
-    extras.description = "isovalue atlas of " + content.title;
-    extras.marks = chart.marks;
-    session.exports.pictures({&picture, 1}, path, extras);
 }
 
 Fields atlas_fields(const std::vector<AtlasRow>& rows) {
@@ -150,7 +136,11 @@ Reply run_atlas(Session& session, const Arguments& arguments) {
     const AtlasContent content = atlas_content(volume, rows);
     Reply reply{atlas_text(content), atlas_fields(rows)};
     if (!arguments.words.empty()) {
-        write_chart(session, content, arguments.words[0]);
+        const AtlasChart chart = atlas_chart(content);
+        write_chart_file(
+            session,
+            {chart.size, chart.background, chart.marks, "isovalue atlas of " + content.title},
+            arguments.words[0]);
         reply.text += "\nwrote " + arguments.words[0];
         reply.fields.push_back({"file", arguments.words[0]});
     }

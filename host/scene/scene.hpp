@@ -89,6 +89,7 @@ struct Scene {
     Color background{18, 22, 30};
     Size size{512, 512};              ///< The picture of one eye.
     std::optional<PicturePart> part;  ///< Set while a large picture is drawn in parts.
+    int frame = 1;                    ///< Number of the shown volume in its time series.
     std::vector<Surface> surfaces;    ///< In drawing order.
     std::vector<SceneClip> clips;     ///< Only points on the kept side of all planes are drawn.
     bool tint_gaps = false;           ///< Surfaces across missing slices are drawn in `gap_color`.

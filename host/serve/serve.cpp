@@ -16,6 +16,7 @@
 #include "host/base/kernel/program_folder.hpp"
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
+#include "host/commands/text/activity_text.hpp"
 #include "host/machine/sessions/session_note.hpp"
 #include "host/serve/classroom/class_server.hpp"
 #include "host/serve/director/director.hpp"
@@ -26,7 +27,6 @@
 #include "host/serve/job/job.hpp"
 #include "host/serve/limits/memory_limit.hpp"
 #include "host/serve/limits/time_limit.hpp"
-#include "host/session/activity_text.hpp"
 
 namespace pxpl5::host::serve {
 

@@ -69,6 +69,27 @@ DrawnComponents drawn_by(const ComponentFilter& filter, const WeldedMesh& mesh,
 
 }  // namespace
 
+std::optional<double> DrawnComponents::volume_ml() const {
+    double ml = 0;
+    for (const MeshComponent& part : parts.components) {
+        if (is_drawn(part)) {
+            if (!part.closed) {
+                return std::nullopt;
+            }
+            ml += *part.volume_mm3 / 1000;
+        }
+    }
+    return ml;
+}
+
+double DrawnComponents::area_mm2() const {
+    double mm2 = 0;
+    for (const MeshComponent& part : parts.components) {
+        mm2 += is_drawn(part) ? part.area_mm2 : 0;
+    }
+    return mm2;
+}
+
 Surface& Meshes::surface(const std::string& name) const {
     if (volumes_.archive() != nullptr) {
         volumes_.volume();  // Throws, because an archive has no surfaces with names.

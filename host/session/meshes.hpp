@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,9 @@ struct DrawnComponents {
     bool is_drawn(const MeshComponent& component) const {
         return shown[component.first_triangle] != 0;
     }
+    /// Volume of the drawn components, cavities taken off. Nothing unless all are closed.
+    std::optional<double> volume_ml() const;
+    double area_mm2() const;  ///< The area of the drawn components.
 };
 
 class Meshes {

@@ -57,6 +57,9 @@ void restore_order(std::vector<Surface>& surfaces, const Scene& wanted) {
 }  // namespace
 
 void restore(Session& session, const Scene& wanted) {
+    if (session.volumes.has_volume() && session.volumes.volume().frame != wanted.frame) {
+        session.series.show(wanted.frame);
+    }
     remove_unwanted(session, wanted);
     for (const Surface& surface : wanted.surfaces) {
         if (surface.compared_with.empty()) {
@@ -77,6 +80,24 @@ void restore(Session& session, const Scene& wanted) {
     scene.clips = wanted.clips;
     scene.tint_gaps = wanted.tint_gaps;
     scene.gap_color = wanted.gap_color;
+}
+
+void show_frame(Session& session, int frame) {
+    check_frame(session.volumes.volume(), frame);
+    const Scene before = session.scene;
+    Scene wanted = before;
+    wanted.frame = frame;
+    try {
+        restore(session, wanted);
+    } catch (const RequestError&) {
+        if (session.volumes.has_volume() && session.scene.frame != before.frame) {
+            try {
+                restore(session, before);
+            } catch (const RequestError&) {  // The first error says more.
+            }
+        }
+        throw;
+    }
 }
 
 void Session::begin_again(const Scene& wanted) {

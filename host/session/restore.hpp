@@ -10,6 +10,11 @@ namespace pxpl5::host {
 /// samples and overlay. Throws RequestError, MachineError; some parameters may be set then.
 void restore(Session& session, const Scene& wanted);
 
+/// Shows volume `frame` of the loaded time series with the same surfaces and clip planes. Throws
+/// RequestError (usage) if there is none. If it cannot be read, or its surfaces cannot be extracted
+/// (RequestError), the former volume is shown again.
+void show_frame(Session& session, int frame);
+
 /// Calls restore(), and restores size, samples and overlay of the picture, for example after a
 /// death.
 void restore_all(Session& session, const Scene& wanted);

@@ -16,6 +16,7 @@
 #include "host/session/nodes.hpp"
 #include "host/session/recovery.hpp"
 #include "host/session/surfaces.hpp"
+#include "host/session/time_series.hpp"
 #include "host/session/volumes.hpp"
 #include "host/session/voxels.hpp"
 
@@ -75,6 +76,7 @@ struct Session {
     IoRequests io;
     Nodes nodes;
     Volumes volumes;
+    TimeSeries series{volumes};
     Voxels voxels;
     Frames frames;
     Meshes meshes;

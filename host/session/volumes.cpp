@@ -47,6 +47,7 @@ struct Volumes::Loading {
     std::string source;
     std::optional<VolumeDistribution> distribution;  ///< None until the volume's shape is known.
     LoadProgress reported;
+    bool is_told = true;  ///< Whether progress is reported.
 };
 
 LoadReport Volumes::load(const std::string& source, const ImportOptions& options) {
@@ -98,6 +99,7 @@ LoadReport Volumes::load_volume(Loading& loading, const ImportOptions& options) 
 
     start_ns = now_ns();
     options_ = options;
+    ++loads_;
     send(volume, loading);
     report.distribute_ms = ms_since(start_ns);
     report.memory_bytes = memory_bytes_;
@@ -108,6 +110,7 @@ LoadReport Volumes::load_volume(Loading& loading, const ImportOptions& options) 
 void Volumes::send(Volume& volume, Loading& loading) {
     distribute(volume, volume.nz, loading);
     volume_ = std::move(volume);
+    scene_.frame = volume_->frame;
     conversation_.wait(loading.source, [this, &loading] {
         distribute(*volume_, volume_->nz, loading);
         return conversation_.is_answered();
@@ -142,6 +145,23 @@ void Volumes::give_again() {
     }
 }
 
+Volume Volumes::exchange(Volume next) {
+    Volume former = std::move(volume_.value());
+    Loading loading{next.source, {}, {}, false};
+    try {
+        send(next, loading);
+    } catch (const MachineError&) {
+        scene_.frame = former.frame;
+        volume_ = std::move(former);
+        throw;
+    } catch (const std::exception&) {
+        discard_canceled();
+        throw;
+    }
+    options_.frame = static_cast<std::uint32_t>(volume_->frame);
+    return former;
+}
+
 void Volumes::drop() {
     replace_content();
     discard_volume();
@@ -160,6 +180,7 @@ void Volumes::replace_content() {
     scene_.surfaces.clear();
     scene_.clips.clear();
     on_replaced_();
+    scene_.frame = 1;
     archive_.reset();
     volume_.reset();
     ++id_;
@@ -216,7 +237,7 @@ void Volumes::distribute(Volume& volume, int slices_there, Loading& loading) {
 }
 
 void Volumes::report_progress(const LoadProgress& now, Loading& loading) const {
-    if (settings_.progress && now != std::exchange(loading.reported, now)) {
+    if (loading.is_told && settings_.progress && now != std::exchange(loading.reported, now)) {
         settings_.progress(now);
     }
 }

@@ -36,6 +36,10 @@ class Volumes {
     /// surfaces. An archive is read again. If this fails, the host keeps the content, and the
     /// machine must be started again, or drop() must follow.
     void give_again();
+    /// Gives the GPs another volume of the same series, and removes all surfaces and clip planes.
+    /// Returns the former volume. If the machine ends meanwhile (MachineError), the host still has
+    /// the former volume. If a GP cannot hold the new one (RequestError), nothing is loaded.
+    Volume exchange(Volume next);
     /// Removes the content.
     void drop();
     /// Reads a volume without distributing it.
@@ -53,6 +57,7 @@ class Volumes {
 
     /// How the volume was read from its source.
     const ImportOptions& options() const { return options_; }
+    int loads() const { return loads_; }  ///< Volumes that were loaded so far.
     /// Number of the volume or scene that the GPs hold.
     std::uint32_t id() const { return id_; }
     /// An id that no surface of the scene has. Ids are used in turn, so that late messages about
@@ -100,6 +105,7 @@ class Volumes {
     VolumeReader reader_;
     std::optional<Volume> volume_;
     ImportOptions options_;
+    int loads_ = 0;
     std::optional<HeldArchive> archive_;  ///< Never together with a volume.
     std::uint32_t id_ = 0;
     std::uint16_t next_surface_id_ = 0;

@@ -29,4 +29,10 @@ std::string identity_of(const Volume& volume) {
     return fmt::format("{:016x}-{:016x}-{}", volume.digest, place_digest(volume), volume.series);
 }
 
+std::string series_identity_of(const Volume& volume, int load) {
+    return volume.frames == 1
+               ? identity_of(volume)
+               : fmt::format("{} {:016x}-{}", load, place_digest(volume), volume.source);
+}
+
 }  // namespace pxpl5::host

@@ -15,4 +15,8 @@ std::uint64_t place_digest(const Volume& volume);
 /// Differs between volumes that differ in voxels, place or series.
 std::string identity_of(const Volume& volume);
 
+/// The same for all volumes of a time series that were loaded at once, else identity_of().
+/// load  Number of the load.
+std::string series_identity_of(const Volume& volume, int load);
+
 }  // namespace pxpl5::host

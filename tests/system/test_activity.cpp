@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
+#include "host/commands/text/activity_text.hpp"
 #include "host/session/activity/network.hpp"
-#include "host/session/activity_text.hpp"
 #include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
 #include "tests/system/simulated_machine.hpp"

@@ -106,14 +106,15 @@ TEST_CASE("the whole scene is put back after a death") {
     const Scene& after = stage.director.session().scene;
     CHECK(same_parameters(before, after));
     // Does not compile when Scene has a member that this test does not know of.
-    const auto& [camera, lights, material, background, size, part, surfaces, clips, tint_gaps,
-                 gap_color, samples, detail, stereo, overlay] = after;
+    const auto& [camera, lights, material, background, size, part, frame, surfaces, clips,
+                 tint_gaps, gap_color, samples, detail, stereo, overlay] = after;
     CHECK(camera == before.camera);
     CHECK(lights == before.lights);
     CHECK(material == before.material);
     CHECK(background == before.background);
     CHECK(size == before.size);
     CHECK_FALSE(part.has_value());
+    CHECK(frame == before.frame);
     CHECK(surfaces.size() == before.surfaces.size());
     CHECK(clips == before.clips);
     CHECK(tint_gaps == before.tint_gaps);

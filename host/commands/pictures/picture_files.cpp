@@ -14,7 +14,6 @@ namespace pxpl5::host {
 namespace {
 
 constexpr int max_animation_frames = 2'000;
-constexpr double usual_delay_ms = 40;
 
 }  // namespace
 
@@ -22,11 +21,12 @@ bool is_blank(const Picture& picture) {
     return std::ranges::count(picture.rgba, picture.rgba[0]) == std::ssize(picture.rgba);
 }
 
-PictureFiles::PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count)
+PictureFiles::PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count,
+                           double usual_ms)
     : session_(session),
       count_(count),
-      delay_ms_(arguments.number("delay_ms", usual_delay_ms)),
-      rate_(arguments.number("rate", film::usual_rate)) {
+      delay_ms_(arguments.number("delay_ms", usual_ms)),
+      rate_(arguments.number("rate", 1000 / usual_ms)) {
     if (arguments.words.size() > at) {
         pattern_ = arguments.words[at];
     }
@@ -87,7 +87,7 @@ void PictureFiles::take(int index, const Picture& picture, const Camera& camera)
 /// The first picture decides the size of the film, which has both eyes in stereo.
 void PictureFiles::add_to_film(const Picture& picture) {
     if (!film_) {
-        const PictureExtras extras = animation_extras(session_, swept_);
+        const PictureExtras extras = animation_extras(session_, range_);
         const std::string title = session_.volumes.has_volume() ? session_.volumes.volume().name
                                                                 : session_.volumes.archive()->file;
         film_.emplace(pattern_, film::FilmForm{picture.width, picture.height, rate_, title,
@@ -101,7 +101,7 @@ void PictureFiles::finish() {
         film_->keep();
         written_ = 1;
     } else if (is_animation_) {
-        PictureExtras extras = animation_extras(session_, swept_);
+        PictureExtras extras = animation_extras(session_, range_);
         extras.delay_ms = static_cast<int>(delay_ms_);
         session_.exports.pictures(pictures_, pattern_, extras);
         written_ = 1;

@@ -19,16 +19,22 @@ namespace pxpl5::host {
 /// Whether all pixels are equal: nothing but the background.
 bool is_blank(const Picture& picture);
 
+inline constexpr double usual_delay_ms = 40;
+
 /// Where the pictures of a command go: nowhere, into a file each, into an animation, or into a
 /// film.
 class PictureFiles {
   public:
     /// Refuses the command if its `at`-th word, which may be missing, names no such place, or if an
     /// option belongs to another kind of file.
-    PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count);
+    /// usual_ms  Time between the pictures of a film or an animation, unless an option states it.
+    PictureFiles(Session& session, const Arguments& arguments, std::size_t at, int count,
+                 double usual_ms = usual_delay_ms);
 
     /// The pictures show a surface at several isovalues. Call this before take().
-    void set_swept(SweptSurface swept) { swept_ = std::move(swept); }
+    void set_swept(SweptSurface swept) { range_.swept = std::move(swept); }
+    /// The pictures show these volumes of a time series. Call this before take().
+    void set_volumes(ShownVolumes volumes) { range_.volumes = volumes; }
     void take(int index, const Picture& picture, const Camera& camera);
     /// Writes the animation or the end of the film, if it is one.
     void finish();
@@ -53,7 +59,7 @@ class PictureFiles {
     bool is_animation_ = false, is_film_ = false, is_blank_ = true;
     std::int64_t written_ = 0;
     std::vector<Picture> pictures_;
-    std::optional<SweptSurface> swept_;
+    AnimationRange range_;
     std::optional<film::Film> film_;
 };
 

@@ -38,7 +38,22 @@ std::string simplified_text(const Session& session) {
     return moved_mm > 0 ? fmt::format("simplified within {} mm", bound_text(moved_mm)) : "";
 }
 
-Caption caption_of(const Session& session) {
+/// "phantom:heart, 14 of 30, 390 ms": the volume's name, and its place in its time series.
+std::string title_of(const Volume& volume, const std::optional<ShownVolumes>& shown) {
+    if (shown) {
+        return fmt::format("{}, {} to {} of {}", volume.name, shown->first, shown->last,
+                           volume.frames);
+    }
+    if (volume.frames == 1) {
+        return volume.name;
+    }
+    return fmt::format("{}, {} of {}{}", volume.name, volume.frame, volume.frames,
+                       volume.frame_ms > 0
+                           ? fmt::format(", {:.6g} ms", volume.frame_ms * (volume.frame - 1))
+                           : "");
+}
+
+Caption caption_of(const Session& session, const std::optional<ShownVolumes>& shown = {}) {
     if (session.volumes.archive() != nullptr) {
         return {session.volumes.archive()->file, ""};
     }
@@ -47,7 +62,7 @@ Caption caption_of(const Session& session) {
     if (const std::string simplified = simplified_text(session); !simplified.empty()) {
         warning += (warning.empty() ? "" : "; ") + simplified;
     }
-    return {volume.name, warning};
+    return {title_of(volume, shown), warning};
 }
 
 std::string spacing_text(const Volume& volume) {
@@ -163,7 +178,7 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
 /// The same in one line, for formats with one text only.
 /// swept  The surface whose isovalue changes; null if none does.
 std::string describe_scene(const Session& session, const Camera& camera,
-                           const SweptSurface* swept = nullptr) {
+                           const AnimationRange& range = {}) {
     const Scene& scene = session.scene;
     std::string text;
     if (const ArchiveFacts* archive = session.volumes.archive()) {
@@ -171,17 +186,17 @@ std::string describe_scene(const Session& session, const Camera& camera,
                            archive->triangles, archive->spheres, archive->lines);
     } else {
         const Volume& volume = session.volumes.volume();
-        text = fmt::format("volume {} {}x{}x{} spacing {} mm", volume.name, volume.nx, volume.ny,
-                           volume.nz, spacing_text(volume));
+        text = fmt::format("volume {} {}x{}x{} spacing {} mm", title_of(volume, range.volumes),
+                           volume.nx, volume.ny, volume.nz, spacing_text(volume));
     }
     text += "; view " + view_text(camera);
     if (const std::string stereo = stereo_text(session, camera); !stereo.empty()) {
         text += "; stereo " + stereo;
     }
     for (const Surface& surface : drawn_surfaces(scene)) {
-        const bool is_swept = swept != nullptr && swept->name == surface.name;
+        const bool is_swept = range.swept && range.swept->name == surface.name;
         text += is_swept ? fmt::format("; surface {} isovalues {} to {}", surface.name,
-                                       swept->first, swept->last)
+                                       range.swept->first, range.swept->last)
                          : fmt::format("; surface {} isovalue {}", surface.name, surface.isovalue);
     }
     if (!scene.clips.empty()) {
@@ -219,16 +234,17 @@ PictureExtras picture_extras(const Session& session, const Camera& camera, EyesI
     return extras;
 }
 
-PictureExtras animation_extras(const Session& session, const std::optional<SweptSurface>& swept) {
+PictureExtras animation_extras(const Session& session, const AnimationRange& range) {
     const Scene& scene = session.scene;
-    PictureExtras extras{describe_scene(session, scene.camera, swept ? &*swept : nullptr), {}, {}};
+    const std::optional<SweptSurface>& swept = range.swept;
+    PictureExtras extras{describe_scene(session, scene.camera, range), {}, {}};
     if (scene.overlay) {
         Overlay overlay;
         overlay.camera = scene.camera;
         overlay.subject = session.frames.subject();
         overlay.size = scene.size;
         overlay.background = {scene.background.r, scene.background.g, scene.background.b};
-        overlay.caption = caption_of(session);
+        overlay.caption = caption_of(session, range.volumes);
         for (const Surface& surface : scene.surfaces) {
             for (LegendLine& line : legend_of({&surface, 1})) {
                 if (swept && swept->name == surface.name) {

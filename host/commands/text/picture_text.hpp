@@ -27,8 +27,19 @@ struct SweptSurface {
     double first = 0, last = 0;  ///< Isovalues.
 };
 
-/// The same for an animation: its marks hold from every side, and for all isovalues.
-PictureExtras animation_extras(const Session& session, const std::optional<SweptSurface>& swept);
+/// Volumes of a time series that the pictures of an animation show.
+struct ShownVolumes {
+    int first = 1, last = 1;
+};
+
+/// The differences between the pictures of an animation besides the view.
+struct AnimationRange {
+    std::optional<SweptSurface> swept;
+    std::optional<ShownVolumes> volumes;
+};
+
+/// The same for an animation: its marks hold from every side, for all isovalues and volumes.
+PictureExtras animation_extras(const Session& session, const AnimationRange& range);
 
 /// The reply of `load` and `info` for an archive.
 Reply describe_archive(const ArchiveFacts& content);

@@ -56,6 +56,9 @@ void add_load(const Session& session, Lines& lines) {
     if (session.volumes.has_volume()) {
         const Volume& volume = session.volumes.volume();
         load.words.at(0) = is_phantom(load.words.at(0)) ? load.words.at(0) : volume.source;
+        if (volume.frames > 1) {
+            load.options["frame"] = std::to_string(volume.frame);
+        }
         lines.add(load.name, load.words, load.options);
         if (volume.digest != 0) {
             lines.add("info", {},

@@ -231,6 +231,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"unit", volume.unit},
         {"windows", windows},
         {"suv_per_value", volume.suv_per_value},
+        {"frame", std::int64_t{volume.frame}},
+        {"frames", std::int64_t{volume.frames}},
+        {"frame_ms", volume.frame_ms},
         {"gap_slabs", std::vector<std::int64_t>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
         {"notes", notes},
         {"surfaces", surfaces}};

@@ -35,6 +35,8 @@ pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png
 snapshot {{}}/c.png ground=transparent; orbit 2; orbit 2 {{}}/o.webm degrees=90 rate=10 size=32x32
 sweep s 0.4 0.5 2 {{}}/sweep.gif; stats; activity; model; digest; trace save; mark; undo
 redo; scale gp=2; computers; history; history {{}}/h.txt; remove t; play {{}}/play.txt
+load phantom:heart frame=2; surface s iso=242.5; time; time next; cine to=3 {{}}/cine.webm
+cine to=2; curve to=3 {{}}/curve.csv
 help; help load"""
 
 
@@ -45,6 +47,8 @@ def type_of(field):
         return f"[{name}](#{name})"
     if field.get("type") == "array":
         return "list of " + type_of(field["items"])
+    if isinstance(field.get("type"), list):
+        return " or ".join(field["type"])
     return "1" if "const" in field else str(field["type"])
 
 

@@ -8,6 +8,7 @@ import math
 import os
 import pathlib
 import shutil
+import struct
 import subprocess
 import sys
 import tempfile
@@ -224,6 +225,71 @@ class Files(unittest.TestCase):
                               timeout=LIMIT_S, cwd=self.folder.name, check=False)
         self.assertEqual(done.returncode, 65, done)
         self.assertIn("select a volume with frame=N, 1 to 3", done.stderr)
+
+    def write_series(self):
+        """beat.nii: four volumes 50 ms apart, in which a wall moves; 12 x 12 x 12 voxels."""
+        size = 12
+        header = bytearray(352)
+        struct.pack_into("<i", header, 0, 348)
+        struct.pack_into("<8h", header, 40, 4, size, size, size, 4, 1, 1, 1)
+        struct.pack_into("<2h", header, 70, 2, 8)
+        struct.pack_into("<8f", header, 76, 1, 1, 1, 1, 50, 0, 0, 0)
+        struct.pack_into("<f", header, 108, 352)
+        header[123] = 2 | 16
+        header[344:347] = b"n+1"
+        values = b"".join(bytes([10 * frame + 5 * x for x in range(size)] * size * size)
+                          for frame in range(4))
+        path = pathlib.Path(self.path("beat.nii"))
+        path.write_bytes(bytes(header) + values)
+        return path
+
+    def test_a_second_turn_of_a_series_reads_no_file(self):
+        path = self.write_series()
+        process = subprocess.Popen(
+            [BIN / "pxpl5", "run", "--json", "--topology", "one-of-each", "--run-folder",
+             self.path("run"), "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+            cwd=self.folder.name)
+        self.addCleanup(process.stdout.close)
+
+        def ask(line):
+            process.stdin.write(line + "\n")
+            process.stdin.flush()
+            answer = json.loads(process.stdout.readline())
+            self.assertTrue(answer["ok"], answer)
+            return answer["result"]
+
+        ask("load beat.nii")
+        ask("surface wall iso=42")
+        first = [ask(line)["frame"] for number in range(1, 5)
+                 for line in (f"time {number}", "digest")]
+        curve = ask("curve table.csv")
+        path.unlink()
+        self.assertEqual(ask("time 1")["kept"], 3)
+        again = [ask(line)["frame"] for number in range(1, 5)
+                 for line in (f"time {number}", "digest")]
+        self.assertEqual(again, first)
+        self.assertEqual(len(set(first)), 8)
+        ask("quit")
+        process.stdin.close()
+        self.assertEqual(process.wait(LIMIT_S), 0)
+        rows = pathlib.Path(self.path("table.csv")).read_text().splitlines()
+        self.assertEqual(rows[0], "surface,frame,time_ms,triangles,area_mm2,volume_ml")
+        self.assertEqual([row.split(",")[:3] for row in rows[1:]],
+                         [['"wall"', str(number), str(50 * (number - 1))]
+                          for number in range(1, 5)])
+        # The wall is at x = (42 - 10 * frame) / 5, and the inside at its right.
+        walls = [(11 - (42 - 10 * frame) / 5) * 11 * 11 / 1000 for frame in range(4)]
+        for row, wall_ml in zip(curve["rows"], walls):
+            self.assertAlmostEqual(row["volume_ml"], wall_ml, delta=1e-4)
+
+    def test_a_volume_that_is_no_longer_there_is_named(self):
+        path = self.write_series()
+        half = path.read_bytes()[:352 + 2 * 12 ** 3]
+        path.write_bytes(half)
+        done = self.ends("run", "-c", "load beat.nii; surface wall iso=42; time 2; time 3")
+        self.assertEqual(done.returncode, 65, done)
+        self.assertIn("volume 3 of 4 ends after", done.stderr)
+        path.unlink()
 
     def ends(self, *arguments):
         """The program's end for a machine of one node of each kind."""

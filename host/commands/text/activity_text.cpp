@@ -1,4 +1,4 @@
-#include "host/session/activity_text.hpp"
+#include "host/commands/text/activity_text.hpp"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,346 @@
+// Commands about time series: time, cine, curve.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <iterator>
+#include <optional>
+#include <vector>
+
+#include "host/base/answer.hpp"
+#include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
+#include "host/base/stopwatch.hpp"
+#include "host/chart/plot.hpp"
+#include "host/commands/command_handlers.hpp"
+#include "host/commands/pictures/chart_file.hpp"
+#include "host/commands/pictures/picture_files.hpp"
+#include "host/commands/pictures/picture_settings.hpp"
+#include "host/session/restore.hpp"
+
+namespace pxpl5::host {
+
+namespace {
+
+/// Time of a volume after the first in ms; nothing if the series does not state it.
+std::optional<double> time_ms(const Volume& volume, int frame) {
+    return volume.frame_ms > 0 ? std::optional(volume.frame_ms * (frame - 1)) : std::nullopt;
+}
+
+/// The volume that the command names: a number, "next", "previous", or the one nearest to at=.
+int wished_frame(const Volume& volume, const Arguments& arguments) {
+    if (arguments.has("at")) {
+        if (!arguments.words.empty()) {
+            refuse_command("time: give the number of a volume or at=, not both");
+        }
+        if (volume.frame_ms <= 0) {
+            refuse_command(
+                fmt::format("time: {} does not state the time between its volumes: give the "
+                            "number of one, 1 to {}",
+                            volume.source, volume.frames));
+        }
+        const double nearest = std::round(arguments.number("at", 0) / volume.frame_ms) + 1;
+        return static_cast<int>(std::min(nearest, double{1e9}));
+    }
+    const std::string& word = arguments.words[0];
+    if (word == "next") {
+        return volume.frame % volume.frames + 1;
+    }
+    if (word == "previous") {
+        return (volume.frame + volume.frames - 2) % volume.frames + 1;
+    }
+    return parse_whole("time", word);
+}
+
+Reply describe_time(const Session& session) {
+    const Volume& volume = session.volumes.volume();
+    const std::optional<double> ms = time_ms(volume, volume.frame);
+    const TimeSeries::Kept kept = session.series.kept();
+    Reply reply{
+        fmt::format("volume {} of {}{}; {} kept in memory ({:.1f} MiB)", volume.frame,
+                    volume.frames, ms ? fmt::format(", at {:g} ms", *ms) : "",
+                    counted(kept.volumes, "other"), static_cast<double>(kept.bytes) / (1 << 20)),
+        {{"frame", std::int64_t{volume.frame}},
+         {"frames", std::int64_t{volume.frames}},
+         {"kept", static_cast<std::int64_t>(kept.volumes)},
+         {"kept_bytes", static_cast<std::int64_t>(kept.bytes)}}};
+    if (ms) {
+        reply.fields.push_back({"time_ms", *ms});
+    }
+    return reply;
+}
+
+/// The volumes of a command that runs through the series.
+struct Turn {
+    int first = 1, last = 1;
+    int count() const { return last - first + 1; }
+};
+
+Turn turn_of(const Session& session, const Arguments& arguments) {
+    const Volume& volume = session.volumes.volume();
+    const Turn turn{parse_whole("from", arguments.text("from", "1")),
+                    parse_whole("to", arguments.text("to", std::to_string(volume.frames)))};
+    check_frame(volume, turn.first);
+    check_frame(volume, turn.last);
+    if (turn.last < turn.first) {
+        refuse_command(
+            fmt::format("{}: to={} is before from={}", arguments.name, turn.last, turn.first));
+    }
+    return turn;
+}
+
+/// Shows one volume after the other, and at the end that of before, also after an error.
+void run_through(Session& session, const Turn& turn, const std::function<void(int frame)>& act) {
+    const int before = session.scene.frame;
+    try {
+        for (int frame = turn.first; frame <= turn.last; ++frame) {
+            show_frame(session, frame);
+            act(frame);
+        }
+    } catch (const RequestError&) {
+        if (session.volumes.has_volume()) {
+            try {
+                show_frame(session, before);
+            } catch (const RequestError&) {  // The first error says more.
+            }
+        }
+        throw;
+    }
+    show_frame(session, before);
+}
+
+/// A surface at one time. Without a volume if what is drawn of it has no inside.
+struct Measured {
+    int frame = 1;
+    std::int64_t triangles = 0;
+    double area_mm2 = 0;
+    std::optional<double> volume_ml;
+};
+
+struct Curve {
+    std::string surface;
+    std::vector<Measured> rows;
+};
+
+/// Measures what is drawn of the surface.
+Measured measured(Session& session, const Surface& surface) {
+    const SurfaceReport& report = session.surfaces.report_of(surface.name);
+    Measured now{session.scene.frame, report.triangles, report.area_mm2, report.volume_mm3 / 1000};
+    if (surface.components.kind != ComponentFilter::Kind::all) {
+        const DrawnComponents drawn = session.meshes.components(surface);
+        now.triangles = std::ranges::count(drawn.shown, 1);
+        now.area_mm2 = drawn.area_mm2();
+        now.volume_ml = drawn.volume_ml();
+    }
+    return now;
+}
+
+/// The rows with the largest and the least volume; nothing if a row has none.
+struct Extremes {
+    Measured largest, least;
+    double ejected() const { return 1 - *least.volume_ml / *largest.volume_ml; }
+};
+
+std::optional<Extremes> extremes_of(const Curve& curve) {
+    const auto volume = [](const Measured& row) { return row.volume_ml.value_or(0); };
+    if (!std::ranges::all_of(curve.rows, [](const Measured& row) {
+            return row.volume_ml.has_value() && *row.volume_ml > 0;
+        })) {
+        return std::nullopt;
+    }
+    // Of equal ones the first.
+    return Extremes{*std::ranges::max_element(curve.rows, {}, volume),
+                    *std::ranges::min_element(curve.rows, {}, volume)};
+}
+
+std::vector<Curve> curves_of(Session& session, const Turn& turn) {
+    std::vector<Curve> curves;
+    for (const Surface& surface : session.scene.surfaces) {
+        if (surface.compared_with.empty()) {
+            curves.push_back({surface.name, {}});
+        }
+    }
+    if (curves.empty()) {
+        refuse_command("curve: there is no surface to measure; add one first: surface NAME iso=V");
+    }
+    run_through(session, turn, [&](int frame) {
+        for (Curve& curve : curves) {
+            curve.rows.push_back(measured(session, *session.surfaces.find(curve.surface)));
+        }
+        if (session.tell_pictures) {
+            session.tell_pictures(frame - turn.first + 1, turn.count());
+        }
+    });
+    return curves;
+}
+
+Table table_of(const Volume& volume, const std::vector<Curve>& curves) {
+    Table table{"rows",
+                {{"surface", "surface"},
+                 {"frame", "volume"},
+                 {"time_ms", "time (ms)"},
+                 {"triangles", "triangles"},
+                 {"area_mm2", "area (mm2)"},
+                 {"volume_ml", "volume (ml)"}}};
+    for (const Curve& curve : curves) {
+        for (const Measured& row : curve.rows) {
+            table.rows.push_back(
+                {curve.surface, row.frame, time_ms(volume, row.frame),
+                 grouped_cell(static_cast<std::uint64_t>(row.triangles)),
+                 fixed_cell(row.area_mm2, 1),
+                 Cell(field_value(row.volume_ml),
+                      row.volume_ml ? fmt::format("{:.3f}", *row.volume_ml) : "-")});
+        }
+    }
+    return table;
+}
+
+/// Volume and area of each surface over time.
+Chart curve_chart(const Volume& volume, const std::vector<Curve>& curves) {
+    const bool has_time = volume.frame_ms > 0;
+    const PlotAxis x{has_time ? "time (ms)" : "volume of the series", PlotScale::linear};
+    LinePlot volumes{volume.name, "", x, {"volume (ml)", PlotScale::linear}, {}};
+    LinePlot areas{"", "", x, {"area (cm\u00b2)", PlotScale::linear}, {}};
+    for (std::size_t i = 0; i < curves.size(); ++i) {
+        PlotLine ml{curves[i].surface, {}, i, false, {}}, cm2 = ml;
+        for (const Measured& row : curves[i].rows) {
+            const double at = has_time ? *time_ms(volume, row.frame) : row.frame;
+            if (row.volume_ml) {
+                ml.points.push_back({at, *row.volume_ml});
+            }
+            cm2.points.push_back({at, row.area_mm2 / 100});
+        }
+        if (!ml.points.empty()) {
+            volumes.lines.push_back(std::move(ml));
+        }
+        areas.lines.push_back(std::move(cm2));
+    }
+    std::vector<Plot> plots;
+    if (!volumes.lines.empty()) {
+        plots.emplace_back(std::move(volumes));
+    }
+    plots.emplace_back(std::move(areas));
+    return chart_of(plots);
+}
+
+void write_curve(Session& session, const std::vector<Curve>& curves, const std::string& path) {
+    const Volume& volume = session.volumes.volume();
+    if (suffix_of(path) == ".csv") {
+        const Table table = table_of(volume, curves);
+        PartFile file(path);
+        file.write(csv_heading(table) + csv_rows(table));
+        if (const std::string reason = file.keep(); !reason.empty()) {
+            throw RequestError(ExitCode::failed,
+                               fmt::format("curve: '{}' cannot be written: {}", path, reason));
+        }
+        return;
+    }
+    constexpr double enlarged = 2;
+    const Chart chart = scaled(curve_chart(volume, curves), enlarged);
+    write_chart_file(
+        session,
+        {{static_cast<int>(std::ceil(chart.width)), static_cast<int>(std::ceil(chart.height))},
+         {255, 255, 255, 255},
+         chart.marks,
+         "surfaces of " + volume.name + " over time"},
+        path);
+}
+
+Answer summary_of(const Volume& volume, const Curve& curve) {
+    const std::optional<Extremes> found = extremes_of(curve);
+    if (!found) {
+        return Answer()
+            .line(fmt::format("{}: no volume at some time: no triangles, or open parts",
+                              curve.surface))
+            .data("name", curve.surface);
+    }
+    const auto at = [&](const Measured& row) {
+        const std::optional<double> ms = time_ms(volume, row.frame);
+        return fmt::format("{:.2f} ml (volume {}{})", *row.volume_ml, row.frame,
+                           ms ? fmt::format(", {:g} ms", *ms) : "");
+    };
+    return Answer()
+        .line(fmt::format("{}: largest {}, least {}; ejection fraction {:.1f} %", curve.surface,
+                          at(found->largest), at(found->least), 100 * found->ejected()))
+        .data("name", curve.surface)
+        .data("largest_ml", *found->largest.volume_ml)
+        .data("largest_frame", found->largest.frame)
+        .data("least_ml", *found->least.volume_ml)
+        .data("least_frame", found->least.frame)
+        .data("ejection_fraction", found->ejected());
+}
+
+/// Volumes that are this far apart or less are shown in real time.
+constexpr double real_time_ms = 200;
+
+}  // namespace
+
+Reply run_time(Session& session, const Arguments& arguments) {
+    const Volume& volume = session.volumes.volume();
+    check_frame(volume, volume.frame);  // Refuses what is no series.
+    if (arguments.words.empty() && !arguments.has("at")) {
+        return describe_time(session);
+    }
+    const std::int64_t start_ns = now_ns();
+    show_frame(session, wished_frame(volume, arguments));
+    const double ms = ms_since(start_ns);
+    Reply reply = describe_time(session);
+    reply.text += fmt::format("; shown after {:.1f} ms", ms);
+    reply.fields.push_back({"elapsed_ms", ms});
+    return reply;
+}
+
+Reply run_cine(Session& session, const Arguments& arguments) {
+    const Turn turn = turn_of(session, arguments);
+    const PictureSettings settings(session.scene, arguments);
+    if (settings.is_transparent()) {
+        refuse_command(
+            "cine: its pictures cannot have a transparent ground. Name a color: ground=white");
+    }
+    const double apart_ms = session.volumes.volume().frame_ms;
+    PictureFiles files(session, arguments, 0, turn.count(),
+                       apart_ms > 0 && apart_ms <= real_time_ms
+                           ? std::clamp(apart_ms, 1000 / film::max_rate, 1000 / film::min_rate)
+                           : usual_delay_ms);
+    files.set_volumes({turn.first, turn.last});
+    const std::int64_t start_ns = now_ns();
+    double elapsed_ms = 0;
+    run_through(session, turn, [&](int frame) {
+        files.take(frame - turn.first, session.frames.draw(), session.scene.camera);
+        elapsed_ms = ms_since(start_ns);
+    });
+    files.finish();
+    Reply reply{fmt::format("{} volumes in {:.0f} ms", turn.count(), elapsed_ms),
+                {{"volumes", std::int64_t{turn.count()}},
+                 {"elapsed_ms", elapsed_ms},
+                 {"written", files.written()}}};
+    if (!files.has_interrupted()) {
+        const double rate = turn.count() * 1000.0 / elapsed_ms;
+        reply.text += fmt::format(", {:.1f} volumes/s", rate);
+        reply.fields.push_back({"volumes_per_s", rate});
+    }
+    files.add_film(reply);
+    reply.text += files.text();
+    files.warn(reply);
+    return reply;
+}
+
+Reply run_curve(Session& session, const Arguments& arguments) {
+    const Turn turn = turn_of(session, arguments);
+    const std::vector<Curve> curves = curves_of(session, turn);
+    const Volume& volume = session.volumes.volume();
+    Answer answer;
+    std::vector<Answer> summaries;
+    for (const Curve& curve : curves) {
+        summaries.push_back(summary_of(volume, curve));
+    }
+    answer.list("surfaces", std::move(summaries)).table(table_of(volume, curves));
+    if (!arguments.words.empty()) {
+        write_curve(session, curves, arguments.words[0]);
+        answer.line("wrote " + arguments.words[0]).data("file", arguments.words[0]);
+    }
+    return answer.reply();
+}
+
+}  // namespace pxpl5::host

@@ -1,0 +1,44 @@
+// The volumes of a time series: which one the GPs hold, and those that the host keeps at hand.
+#pragma once
+
+#include <cstddef>
+#include <map>
+
+#include "host/session/volumes.hpp"
+
+namespace pxpl5::host {
+
+/// Bytes of the volumes that a session keeps beside the shown one. A series of 512 volumes of a
+/// million voxels fits.
+inline constexpr std::size_t max_kept_bytes = std::size_t{1} << 30;
+
+/// Shows one volume of a series after the other. Volumes that were shown are kept in memory, so
+/// that a second turn reads no file. If not all fit, those that come next are kept.
+class TimeSeries {
+  public:
+    struct Kept {
+        std::size_t volumes = 0, bytes = 0;  ///< Without the shown volume.
+    };
+
+    explicit TimeSeries(Volumes& volumes) : volumes_(volumes) {}
+
+    /// Gives volume `frame` of the loaded series to the GPs, which drops surfaces and clip planes.
+    /// Does nothing if the GPs hold it. Throws RequestError (usage) if the series has no such
+    /// volume, and (bad_data) if it cannot be read, or differs in shape or place from the shown
+    /// one, which then stays; otherwise as Volumes::exchange().
+    void show(int frame);
+    Kept kept() const;
+
+  private:
+    Volume take(int frame);
+    void keep(Volume volume);
+
+    Volumes& volumes_;
+    int loads_ = 0;               ///< Volumes::loads() of the series.
+    std::map<int, Volume> kept_;  ///< By number in the series.
+};
+
+/// Throws RequestError (usage) if the series of the volume has no volume `frame`.
+void check_frame(const Volume& volume, int frame);
+
+}  // namespace pxpl5::host
