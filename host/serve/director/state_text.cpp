@@ -50,6 +50,10 @@ VolumeState volume_state(const Session& session) {
     state.name = volume.name;
     state.source = volume.source;
     state.identity = identity_of(volume);
+    state.series_identity = series_identity_of(volume, session.volumes.loads());
+    state.frame = volume.frame;
+    state.frames = volume.frames;
+    state.frame_ms = volume.frame_ms;
     state.size = numbers(glm::dvec3(volume.nx, volume.ny, volume.nz));
     state.spacing_mm = numbers(spacing_mm(volume));
     state.modality = volume.modality;

@@ -13,6 +13,7 @@ import {Viewpoint} from './picture/viewpoint.js';
 import {Warp} from './picture/warp.js';
 import {createBadge} from './shell/badge.js';
 import {createBar} from './shell/bar.js';
+import {createCine} from './shell/cine.js';
 import {createEdges} from './shell/edges.js';
 import {createHelp} from './shell/help.js';
 import {watchKeys} from './shell/keyboard.js';
@@ -85,6 +86,7 @@ function start() {
   createLeft(app);
   createOverlay(app, viewpoint);
   createBadge(app);
+  createCine(app);
   createWork(app);
   createVeil(app);
   createStall(app);

@@ -6,7 +6,8 @@ import {sliceOf, valuesIn} from '../../../host/serve/page/slices/slice_pixels.js
 import {checked} from '../../../host/serve/page/panel/measure_check.js';
 import {csvOf, jsonOf} from '../../../host/serve/page/panel/measure_files.js';
 import {partText, valuesText} from '../../../host/serve/page/panel/measure_words.js';
-import {MOST_MEASURES, Measures, Points, angleOf, lengthOf, measureText, valuesOf}
+import {angleOf, lengthOf, valuesOf} from '../../../host/serve/page/panel/measure_math.js';
+import {MOST_MEASURES, Measures, Points, measureText}
   from '../../../host/serve/page/panel/measures.js';
 
 /** @param {number} a @param {number} b */

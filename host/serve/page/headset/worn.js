@@ -129,7 +129,7 @@ export class Worn {
     }
     const head = poseOf(viewer.transform);
     const sphere = state.volume || state.archive ? state.camera : null;
-    this.place_(sphere, head, state.volume?.identity ?? state.archive ?? '');
+    this.place_(sphere, head, state.volume?.series_identity ?? state.archive ?? '');
     this.hands_.update(frame, space, Math.min(LONGEST_STEP_S, (now - this.before_) / 1000));
     this.before_ = now;
     const eyes = viewer.views.map(each => poseOf(each.transform));

@@ -121,7 +121,10 @@ class MeasurePanel {
       this.told = -1;
       this.show();
     });
-    app.store.subscribe(['volume'], ({volume}) => this.open(volume?.identity ?? ''));
+    app.store.subscribe(['volume'], ({volume}) => {
+      app.measures.show(volume);
+      this.open(volume?.series_identity ?? '');
+    });
     app.session.add('measurements', {
       save: () => app.measures.list, restore: saved => this.restore(saved)});
   }
@@ -261,7 +264,7 @@ class MeasurePanel {
 
   draw() {
     const {picture, measures} = this.app;
-    const seen = measures.list.filter(({slice}) => !slice);
+    const seen = measures.seen.filter(({slice}) => !slice);
     this.boxes = new Map();
     if (seen.length === 0 && this.points.list.length === 0 && !this.note) {
       if (this.drawing.childElementCount > 0) {

@@ -78,7 +78,7 @@ export class MeasureEnds {
     const at = this.placeOf_(event);
     let [least, held] = [reachOf(event), /** @type {Held | null} */ (null)];
     for (const eye of picture.eyes()) {
-      for (const measure of measures.list) {
+      for (const measure of measures.seen) {
         if (this.refusal_(measure) || !this.panel_.grabs(measure)) {
           continue;
         }

@@ -19,6 +19,8 @@ export const LIMITS = Object.freeze({
   max_spacing_mm: 1000,
   max_smooth_mm: 100,
   max_windows: 16,
+  max_frames: 1000000,
+  max_frame_ms: 1e+09,
   least_window: 1e-06,
   most_window: 1e+12,
   max_slab: 4094,
@@ -142,6 +144,10 @@ export function readAnswerHeader(view) {
  * @property {string} name
  * @property {string} source  file, folder or phantom:NAME
  * @property {string} identity  another one for other voxels, another place or another series
+ * @property {string} series_identity  the same for all volumes of a time series
+ * @property {number} frame  number in its time series, from 1
+ * @property {number} frames  volumes of the time series; 1 if there is no series
+ * @property {number} frame_ms  time from one volume of the series to the next; 0 if not known
  * @property {[number, number, number]} size  voxels
  * @property {[number, number, number]} spacing_mm
  * @property {string} modality  CT, MR, US, ...; empty if the file does not state it

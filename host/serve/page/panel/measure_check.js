@@ -59,7 +59,15 @@ export function checked(saved) {
  * @param {Measure} measure
  * @returns {Measure}
  */
-function cleaned({name, kind, points_mm, value, text, slice, values, part}) {
+function cleaned({frame, ...measure}) {
+  return {...withoutOthers(measure), ...frame !== undefined && {frame}};
+}
+
+/**
+ * @param {Omit<Measure, 'frame'>} measure
+ * @returns {Measure}
+ */
+function withoutOthers({name, kind, points_mm, value, text, slice, values, part}) {
   const fields = Object.keys(PART_FIELDS).map(field =>
     [field, part?.[/** @type {keyof import('./measures.js').Part} */ (field)]]);
   return isRegion(kind) ? {name, kind, points_mm, value, slice, values}
@@ -77,7 +85,7 @@ function errorOf(measure, before) {
   if (typeof measure !== 'object' || measure === null) {
     return `it is ${shown(measure)}, but an object is needed.`;
   }
-  const {name, kind, points_mm, value, text, slice, values, part} = measure;
+  const {name, kind, points_mm, value, text, slice, values, part, frame} = measure;
   const needs = (/** @type {string} */ field, /** @type {unknown} */ is,
     /** @type {string} */ what) => `${field} is ${shown(is)}, but ${what} is needed.`;
   if (!isText(name, MOST_LETTERS) || before.some(each => each.name === name)) {
@@ -96,6 +104,9 @@ function errorOf(measure, before) {
   }
   if (!isNumber(value) || value < 0) {
     return needs('value', value, 'a number of 0 or more');
+  }
+  if (frame !== undefined && !(Number.isInteger(frame) && frame >= 1)) {
+    return needs('frame', frame, 'the number of a volume, from 1');
   }
   if (kind === 'note' && !isText(text, MOST_NOTE)) {
     return needs('text', text, `a text with at most ${MOST_NOTE} letters`);

@@ -15,7 +15,7 @@ function unitOf(kind) {
 
 const COLUMNS = ['volume', 'name', 'kind', 'value', 'unit', 'points_mm_LPS', 'voxel_axis',
   'voxel_index', 'voxels', 'mean', 'deviation', 'least', 'most', 'value_unit', 'slab_mm',
-  'slab_kind', 'text', 'surface', 'isovalue', 'cavity', 'closed', 'area_mm2'];
+  'slab_kind', 'text', 'surface', 'isovalue', 'cavity', 'closed', 'area_mm2', 'frame'];
 
 /**
  * A text that a spreadsheet does not take for a formula. It may come from another person's session.
@@ -31,7 +31,8 @@ function plainText(text) {
  * @param {{name: string, unit: string}} volume
  */
 export function csvOf(measures, volume) {
-  const lines = measures.map(({name, kind, value, points_mm, slice, values, text, part}) => [
+  const lines = measures.map(({name, kind, value, points_mm, slice, values, text, part,
+    frame}) => [
     plainText(volume.name), plainText(name), kind, kind === 'note' ? '' : value, unitOf(kind),
     points_mm.map(p => p.join(' ')).join('; '),
     ...slice ? [slice.axis, slice.index] : ['', ''],
@@ -39,7 +40,7 @@ export function csvOf(measures, volume) {
       volume.unit] : ['', '', '', '', '', ''],
     slice?.slab_mm ?? '', slice?.slab_kind ?? '', plainText(text ?? ''),
     ...part ? [plainText(part.surface), part.isovalue, part.cavity ? 'yes' : 'no',
-      part.closed ? 'yes' : 'no', part.area_mm2] : ['', '', '', '', '']]);
+      part.closed ? 'yes' : 'no', part.area_mm2] : ['', '', '', '', ''], frame ?? '']);
   const cell = (/** @type {unknown} */ each) => /[",\r\n]/.test(String(each))
     ? `"${String(each).replaceAll('"', '""')}"` : String(each);
   return [COLUMNS, ...lines].map(line => `${line.map(cell).join(',')}\r\n`).join('');

@@ -73,6 +73,10 @@ export class MeasureList {
       'aria-label': `Measurement ${name}`, title: 'Shows its ends and its name',
       'data-testid': `${this.testid_}-choose-${name}`, onclick: () => {
         measures.choose(isChosen ? '' : name);
+        const {frame} = measures.named(name) ?? {};
+        if (!isChosen && frame !== undefined && frame !== measures.time.frame) {
+          void this.app_.connection.do(`time ${frame}`);
+        }
         /** @type {HTMLElement | null | undefined} */
         (this.rows_.get(name)?.element.querySelector('.badge'))?.focus();
       }}, name);
@@ -87,9 +91,10 @@ export class MeasureList {
     return {element, shape, update: measure => {
       setText(value, measureText(measure));
       const unit = this.app_.store.state?.volume?.unit ?? '';
-      setText(values, measure.values
+      setText(values, [measure.values
         ? `${valuesText(measure.values, unit)}${slabNote(measure.slice)}`
-        : measure.part ? partText(measure.part, unit) : '');
+        : measure.part ? partText(measure.part, unit) : '',
+      measures.isSeen(measure) ? '' : `of volume ${measure.frame}`].filter(Boolean).join(', '));
     }};
   }
 
@@ -131,7 +136,8 @@ export class MeasureList {
     /** @param {(measure: Measure) => void} act */
     const withMeasure = act => {
       const measure = measures.named(name);
-      const refusal = measure ? mover.refusal(measure) : '';
+      const refusal = !measure ? '' : measures.isSeen(measure) ? mover.refusal(measure)
+        : `Measurement ${name} belongs to volume ${measure.frame}. Show that volume first.`;
       if (measure && !refusal) {
         act(measure);
       } else if (refusal) {

@@ -1,5 +1,6 @@
 // The measurements of the user, which panels and slices add, show and remove.
 import {grouped, significant} from '../elements/numbers.js';
+import {angleOf, lengthOf} from './measure_math.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle' | 'part' | 'note'} Kind */
@@ -35,6 +36,7 @@ import {grouped, significant} from '../elements/numbers.js';
  * @property {Part} [part]
  * @property {MeasuredSlice} [slice]  Of an ellipse or a rectangle.
  * @property {Values} [values]      Likewise.
+ * @property {number} [frame]       Number of its volume in a time series; absent without one.
  */
 
 export const MOST_MEASURES = 100;
@@ -118,6 +120,8 @@ export class Measures {
   constructor() {
     /** @type {readonly Measure[]} */
     this.list = [];
+    /** The shown volume of a time series; empty without one. @type {{frame?: number}} */
+    this.time = {};
     /** Name of the measurement whose ends the lists show, '' for none. */
     this.chosen = '';
     /** The number of the scene's step now. Called before each change that can be undone. */
@@ -139,6 +143,25 @@ export class Measures {
   watch(act) {
     this.watchers_.add(act);
     act();
+  }
+
+  /** Those of the shown volume. */
+  get seen() {
+    return this.list.filter(measure => this.isSeen(measure));
+  }
+
+  /** @param {Measure} measure */
+  isSeen({frame}) {
+    return frame === undefined || frame === this.time.frame;
+  }
+
+  /** @param {import('../link/vocabulary.js').State['volume']} volume  It is shown now. */
+  show(volume) {
+    const frame = volume && volume.frames > 1 ? volume.frame : undefined;
+    if (frame !== this.time.frame) {
+      this.time = frame === undefined ? {} : {frame};
+      this.set_(this.list);
+    }
   }
 
   /** @param {string} name */
@@ -164,7 +187,7 @@ export class Measures {
       ++this.count_;
     } while (this.named(String(this.count_)));
     const name = String(this.count_);
-    this.change_(`add ${measure.kind} ${name}`, [...this.list, {name, ...measure}]);
+    this.change_(`add ${measure.kind} ${name}`, [...this.list, {name, ...measure, ...this.time}]);
     return '';
   }
 
@@ -341,50 +364,6 @@ export function endTitle(kind, index, count) {
     return 'Vertex';
   }
   return index === 0 ? 'First end' : index === count - 1 ? 'Last end' : `Point ${index + 1}`;
-}
-
-/**
- * The length of a path through points.
- * @param {Triple[]} points_mm
- */
-export function lengthOf(points_mm) {
-  return points_mm.slice(1).reduce((sum, p, k) => sum + Math.hypot(p[0] - points_mm[k][0],
-    p[1] - points_mm[k][1], p[2] - points_mm[k][2]), 0);
-}
-
-/**
- * The angle at the second of three points, in degrees.
- * @param {Triple[]} points_mm
- * @throws {Error} if the vertex is one of the others
- */
-export function angleOf([a, vertex, b]) {
-  const from = (/** @type {Triple} */ p) => p.map((value, k) => value - vertex[k]);
-  const [u, v] = [from(a), from(b)];
-  const lengths = Math.hypot(...u) * Math.hypot(...v);
-  if (lengths === 0) {
-    throw new Error('Two points of the angle are the same. Click three different points.');
-  }
-  // By sine and cosine: the cosine alone is inexact near 0 and 180 degrees.
-  const cross = Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
-    u[0] * v[1] - u[1] * v[0]);
-  return Math.atan2(cross, u[0] * v[0] + u[1] * v[1] + u[2] * v[2]) * 180 / Math.PI;
-}
-
-/**
- * Mean, standard deviation (divided by n - 1), least and largest value.
- * @param {number[]} values
- * @returns {Values}
- * @throws {Error} without values
- */
-export function valuesOf(values) {
-  if (values.length === 0) {
-    throw new Error('The region contains no voxel center. Draw a larger region.');
-  }
-  const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
-  const squares = values.reduce((sum, value) => sum + (value - mean) ** 2, 0);
-  return {voxels: values.length, mean,
-    deviation: values.length > 1 ? Math.sqrt(squares / (values.length - 1)) : null,
-    least: values.reduce((a, b) => Math.min(a, b)), most: values.reduce((a, b) => Math.max(a, b))};
 }
 
 /** @param {Pick<Measure, 'kind' | 'value' | 'text'>} measure */

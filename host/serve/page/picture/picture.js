@@ -37,12 +37,10 @@ export class PictureView {
   constructor(connection, store, tell) {
     /** @private */
     this.tell_ = tell;
-    /** @private */
-    this.store_ = store;
-    /** The element around the picture, which receives pointer events. */
+    /** @private */ this.store_ = store;
+    /** Around the picture; receives pointer events. */
     this.stage = byId('stage');
-    /** @private */
-    this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('frame'));
+    /** @private */ this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('frame'));
     /** @private */
     this.context_ = /** @type {CanvasRenderingContext2D} */ (
       this.canvas_.getContext('2d', {alpha: false}));
@@ -67,21 +65,16 @@ export class PictureView {
     this.video = null;
     /** @type {FrameHeader | null} */
     this.header = null;
-    /** @private */
-    this.cameras_ = new Cameras();
-    /** @private @type {Waiting | null} */
-    this.next_ = null;
-    /** @private */
-    this.decoding_ = false;
+    /** @private */ this.cameras_ = new Cameras();
+    /** @private @type {Waiting | null} */ this.next_ = null;
+    /** @private */ this.decoding_ = false;
     this.refresh = new Refresh();
     /** @private The size that is laid out, if not the state's. @type {number[] | null} */
     this.asIf_ = null;
     /** @private @type {((header: FrameHeader, at: number) => void)[]} */
     this.shownActs_ = [];
-    /** @private @type {(() => void)[]} */
-    this.clearedActs_ = [];
-    /** @private @type {(() => void)[]} */
-    this.changeActs_ = [];
+    /** @private @type {(() => void)[]} */ this.clearedActs_ = [];
+    /** @private @type {(() => void)[]} */ this.changeActs_ = [];
     /** @private Frames before this revision show another volume. */
     this.leastRevision_ = 0;
 
@@ -100,7 +93,14 @@ export class PictureView {
       this.changed_();
     });
     // Frames of another volume must never stand under the new volume's name.
-    store.subscribe(['volume', 'archive'], state => this.clear_(state.revision));
+    let shown = '';  // The series, the volume or the archive.
+    store.subscribe(['volume', 'archive'], ({volume, archive, revision}) => {
+      const now = volume?.series_identity ?? archive ?? '';
+      if (now !== shown) {
+        shown = now;
+        this.clear_(revision);
+      }
+    });
     new ResizeObserver(() => {
       this.layOut_();
       this.changed_();

@@ -97,11 +97,16 @@ export class ObliquePane {
     }
   }
 
-  /** @param {VolumeState | null} volume */
-  open(volume) {
+  /**
+   * @param {VolumeState | null} volume
+   * @param {boolean} same  Another volume of the same series.
+   */
+  open(volume, same) {
     this.volume_ = volume;
     this.source_.forget();
-    this.view.clear();
+    if (!same) {
+      this.view.clear();
+    }
   }
 
   /** @param {Vector} voxel  The crosshair. */

@@ -1,5 +1,6 @@
 // Ends of measurements on slices: where they are, and what a measurement becomes if one moves.
-import {isRegion, through, valuesOf} from '../panel/measures.js';
+import {valuesOf} from '../panel/measure_math.js';
+import {isRegion, through} from '../panel/measures.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 import {depthOf} from './slice_pixels.js';
 

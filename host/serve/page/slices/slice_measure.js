@@ -146,7 +146,7 @@ export class SliceMeasure {
    */
   marks(volume) {
     const voxels = (/** @type {Vector[]} */ points) => points.map(p => toVoxel(volume, p));
-    const marks = this.app_.measures.list.map(measure => ({kind: measure.kind,
+    const marks = this.app_.measures.seen.map(measure => ({kind: measure.kind,
       voxels: voxels(measure.points_mm), slice: measure.slice,
       text: labelText(measure), name: measure.name}));
     const {kind, list} = this.points_;

@@ -47,14 +47,12 @@ export class SlicesPanel {
     this.volume = null;
     /** Surfaces whose contours are incomplete, by plane. @type {string[][]} */
     this.leftOut = PLANES.map(() => []);
-    /** Zoom of all slices. */
-    this.times = 1;
+    /** Zoom of all slices. */ this.times = 1;
     /** @type {Vector} */
     this.voxel = [0, 0, 0];
     /** @type {ReturnType<typeof planesOf>} */
     this.planes = [];
-    /** Number of opened volumes. */
-    this.opened = 0;
+    /** Number of opened volumes. */ this.opened = 0;
     /** The planes whose lines the views have, as JSON. */
     this.lines = '';
     /** The settings that the contours depend on, as JSON. */
@@ -242,35 +240,37 @@ export class SlicesPanel {
     });
   }
 
-  /** @param {VolumeState | null} volume */
-  open(volume) {
-    const same = volume !== null && volume.identity === this.volume?.identity;
-    this.volume = volume;
-    ++this.opened;
+  /** @param {boolean} isOpen  Whether another volume follows. */
+  clear(isOpen) {
     this.measure.forget();
-    this.root.classList.toggle('empty', volume === null);
-    this.message.say(volume ? '' : EMPTY);
+    this.root.classList.toggle('empty', !isOpen);
+    this.message.say(isOpen ? '' : EMPTY);
     this.notes.textContent = '';
     this.readout.clear();
     this.leftOut = PLANES.map(() => []);
     this.times = 1;
     this.settings.tellTimes(1);
-    for (const {view, source, count} of this.panes) {
-      source.forget();
-      view.clear();
-      count.textContent = '';
+    this.panes.forEach(({view}) => view.clear());
+    this.panes.forEach(({count}) => { count.textContent = ''; });
+  }
+
+  /** @param {VolumeState | null} volume  Another volume of the series keeps place and window. */
+  open(volume) {
+    const same = volume !== null && volume.series_identity === this.volume?.series_identity;
+    this.volume = volume;
+    ++this.opened;
+    this.panes.forEach(({source}) => source.forget());
+    if (!same) {
+      this.clear(volume !== null);
     }
-    this.oblique.open(volume);
+    this.oblique.open(volume, same);
     if (!volume) {
       return;
     }
     this.planes = planesOf(volume.voxel_to_patient);
     this.window.open(volume, same);
-    if (!same) {
-      this.move(/** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
-    } else {
-      this.refresh();
-    }
+    this.move(same ? this.voxel
+      : /** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
   }
 
   /**

@@ -23,6 +23,7 @@ const LETTER = 0.55;        // Width of a letter of a band's name.
 const MOUSE_REACH = 12, FINGER_REACH = 22;
 const FINE = 0.1;          // Fraction of the pointer's motion, with Shift.
 const COARSE = 10;         // Steps per arrow key with Shift.
+const REST_MS = 300;       // Without another volume of the series, until it is counted.
 const KEY_STEPS = 500;     // Arrow keys cross the range in this many steps.
 
 /** @typedef {{first: number, width: number, counts: number[]}} Counts */
@@ -48,6 +49,10 @@ export class Histogram {
     this.selection_ = selection;
     /** @private @type {Counts | null} */
     this.counts_ = null;
+    /** @private  The time series, or the volume, of the counts. */
+    this.series_ = '';
+    /** @private @type {ReturnType<typeof setTimeout> | undefined} */
+    this.resting_ = undefined;
     /** @private Whether the counts are known, and not only the axis. */
     this.isCounted_ = false;
     /** @private @type {Map<string, Ahead>} isovalues ahead of the state */
@@ -89,7 +94,7 @@ export class Histogram {
       'Number of voxels per value, on a logarithmic scale'}, 'Histogram'), this.zoom_.buttons),
       this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
-    app.store.subscribe(['volume'], ({volume}) => void this.load_(volume));
+    app.store.subscribe(['volume'], ({volume}) => this.open_(volume));
     app.store.subscribe(['surfaces', 'volume'], () => this.follow_());
     app.store.subscribe(['revision'], () => {
       if (this.ahead_.size > 0) {
@@ -109,12 +114,27 @@ export class Histogram {
   }
 
   /**
+   * While a time series plays, the counts of its last volume stay.
+   * @private
+   * @param {VolumeState | null} volume
+   */
+  open_(volume) {
+    clearTimeout(this.resting_);
+    if (volume && volume.series_identity === this.series_ && this.counts_) {
+      this.resting_ = setTimeout(() => void this.load_(volume), REST_MS);
+      return;
+    }
+    this.series_ = volume?.series_identity ?? '';
+    this.counts_ = null;
+    this.draw_();
+    void this.load_(volume);
+  }
+
+  /**
    * @private
    * @param {VolumeState | null} volume
    */
   async load_(volume) {
-    this.counts_ = null;
-    this.draw_();
     if (!volume) {
       return;
     }

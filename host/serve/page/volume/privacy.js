@@ -71,10 +71,10 @@ export function createPrivacyHint(app) {
       root.hidden = true;
       return;
     }
-    if (known === volume.identity) {
+    if (known === volume.series_identity) {
       return;
     }
-    const {identity} = volume;
+    const {series_identity: identity} = volume;
     known = identity;
     root.textContent = 'Looking for a patient\'s name in the header …';
     root.hidden = false;

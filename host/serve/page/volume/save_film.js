@@ -1,4 +1,5 @@
-// The part of the dialog "Save" that makes a film: a turntable, or a sweep of an isovalue.
+// The part of the dialog "Save" that makes a film: a turntable, a sweep of an isovalue, or the
+// volumes of a time series.
 import {h} from '../elements/dom.js';
 import {counted, short} from '../elements/numbers.js';
 import {saveAs} from '../elements/save_file.js';
@@ -11,12 +12,14 @@ import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, numberInput, sizeChoi
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 
 const KINDS = /** @type {const} */ ([['turntable', 'Turntable'],
-  ['sweep', 'Sweep of an isovalue']]);
+  ['sweep', 'Sweep of an isovalue'], ['cine', 'Time series']]);
 const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['1280x720', '1280 × 720'],
   ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'], [FREE, 'other size …']]);
 const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
   ['black', 'black ground']]);
 const MOST_PICTURES = 10000;
+const MOST_RATE = 60;       // Pictures per second.
+const REAL_TIME_MS = 200;   // Volumes of a series that are as near as this are shown in real time.
 const MOST_DEGREES = 36000;
 const MOST_VALUE = 1e9;
 const WIDTH = 0.25;     // A sweep goes so far to both sides at first, as a share of all values.
@@ -50,22 +53,29 @@ class FilmPart {
     this.to = numberInput('Last isovalue', value, 'film-to');
     this.pictures = numberInput('Pictures', {value: 100, low: 2, high: MOST_PICTURES},
       'film-pictures');
-    this.rate = numberInput('Pictures per second', {value: 25, low: 1, high: 60, isWhole: false},
-      'film-rate');
+    this.rate = numberInput('Pictures per second',
+      {value: 25, low: 1, high: MOST_RATE, isWhole: false}, 'film-rate');
     this.wrong = wrongLine('film-wrong');
     this.turn = h('span', {class: 'row'}, 'over', this.degrees.input, 'degrees');
     this.range = h('span', {class: 'row wrap', hidden: true}, 'of', this.surface, 'from',
       this.from.input, 'to', this.to.input);
+    this.count = h('span', {class: 'row'}, this.pictures.input, 'pictures,');
     this.duration = h('span', {class: 'muted', 'data-testid': 'film-duration'});
     this.element = h('section', {}, h('h3', {}, 'Film'),
       h('div', {class: 'row wrap'}, this.kind, this.turn, this.range),
       h('div', {class: 'row wrap'}, this.size.list, this.size.free, this.samples, this.ground),
-      h('div', {class: 'row wrap'}, this.pictures.input, 'pictures,', this.rate.input,
-        'per second', this.duration, h('span', {class: 'grow'}),
+      h('div', {class: 'row wrap'}, this.count, this.rate.input, 'per second', this.duration,
+        h('span', {class: 'grow'}),
         h('button', {class: 'primary', 'data-testid': 'film-go',
           onclick: () => void attempt(app, dialog, this.wrong, () => this.make())}, 'Make film')),
       this.wrong);
-    this.kind.addEventListener('change', () => this.show());
+    this.kind.addEventListener('change', () => {
+      const {frame_ms} = this.series();
+      if (this.kind.value === 'cine' && frame_ms > 0 && frame_ms <= REAL_TIME_MS) {
+        this.rate.input.value = plain(Math.min(MOST_RATE, 1000 / frame_ms));
+      }
+      this.show();
+    });
     this.surface.addEventListener('change', () => this.suggest());
     this.element.addEventListener('input', () => {
       this.wrong.hidden = true;
@@ -86,7 +96,17 @@ class FilmPart {
         : names[0] ?? '';
       this.suggest();
     }
+    const cine = this.kind.options[KINDS.length - 1], {frames} = this.series();
+    cine.hidden = cine.disabled = frames < 2;
+    if (cine.hidden && this.kind.value === 'cine') {
+      this.kind.value = 'turntable';
+    }
     this.show();
+  }
+
+  /** The time series that is open; one volume if none is. */
+  series() {
+    return this.app.store.state?.volume ?? {frames: 1, frame_ms: 0};
   }
 
   /** The surfaces that a sweep can change: of a volume, and no part of a comparison. */
@@ -96,9 +116,10 @@ class FilmPart {
   }
 
   show() {
-    const isSweep = this.kind.value === 'sweep';
-    this.turn.hidden = isSweep;
-    this.range.hidden = !isSweep;
+    this.turn.hidden = this.kind.value !== 'turntable';
+    this.range.hidden = this.kind.value !== 'sweep';
+    this.count.hidden = this.kind.value === 'cine';
+    this.tellDuration();
   }
 
   /** Suggests a range around the isovalue, within the values of the volume. */
@@ -114,7 +135,9 @@ class FilmPart {
   }
 
   tellDuration() {
-    const seconds = Number(this.pictures.input.value) / Number(this.rate.input.value);
+    const count = this.kind.value === 'cine' ? this.series().frames
+      : Number(this.pictures.input.value);
+    const seconds = count / Number(this.rate.input.value);
     this.duration.textContent = Number.isFinite(seconds) ? `${short(seconds)} s` : '';
   }
 
@@ -124,9 +147,11 @@ class FilmPart {
     if (isSweep && this.surface.value === '') {
       throw new Error('There is no surface to sweep. Add a surface first.');
     }
-    const name = `${baseName(app)}-${this.kind.value}.webm`, pictures = this.pictures.value();
-    const what = isSweep ? `sweep ${word(this.surface.value)} ${this.from.value()} `
-      + `${this.to.value()} ${pictures} download:${word(name)}`
+    const name = `${baseName(app)}-${this.kind.value}.webm`, isCine = this.kind.value === 'cine';
+    const pictures = isCine ? this.series().frames : this.pictures.value();
+    const what = isCine ? `cine download:${word(name)}`
+      : isSweep ? `sweep ${word(this.surface.value)} ${this.from.value()} ${this.to.value()} `
+      + `${pictures} download:${word(name)}`
       : `orbit ${pictures} download:${word(name)} degrees=${this.degrees.value()}`;
     const line = `${what} rate=${this.rate.value()} size=${eyeSize(app, this.size).join('x')} `
       + `samples=${this.samples.value} ground=${this.ground.value}`;

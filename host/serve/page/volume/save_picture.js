@@ -6,7 +6,7 @@ import {counted, short} from '../elements/numbers.js';
 import {saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
-import {placeWarning} from '../panel/volume_words.js';
+import {placeWarning, volumeTitle} from '../panel/volume_words.js';
 import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine}
   from './save_parts.js';
 
@@ -161,7 +161,7 @@ class PicturePart {
       // The first line of a slice has the zoom.
       ...slice && this.marks.checked ? [line(' ')] : [],
       ...warning && (hasLegend || this.marks.checked) ? [line(warning)] : [],
-      ...hasLegend ? [line(state?.volume?.name ?? state?.archive ?? '')] : [],
+      ...hasLegend ? [line(state?.volume ? volumeTitle(state.volume) : state?.archive ?? '')] : [],
       ...hasLegend && slice ? [line(slice.caption)] : [],
       ...hasLegend && (slice?.hasSurfaces ?? true) ? surfaceLines(state) : [],
     ];

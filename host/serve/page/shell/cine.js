@@ -1,0 +1,202 @@
+// The strip below the picture of a time series: plays it, and steps through its volumes.
+import {byId, h, setText, update} from '../elements/dom.js';
+import {icon, setIcon} from '../elements/icons.js';
+import {grouped} from '../elements/numbers.js';
+
+/** @typedef {import('../panel/app.js').App} App */
+/** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
+
+/** Volumes that are this far apart or less are played in real time, unless the user says else. */
+const REAL_TIME_MS = 200;
+const RATES = [2, 5, 10, 15, 25];  // Volumes per second.
+const USUAL_RATE = 10;
+const REAL_TIME = 'time', FASTEST = 'fast';
+const RATE_OVER_MS = 2000;
+
+class Cine {
+  /** @param {App} app */
+  constructor(app) {
+    /** @private */ this.app_ = app;
+    /** @private @type {VolumeState | null} */ this.volume_ = null;
+    /** @private  The volume that was asked for last. */ this.wanted_ = 1;
+    /** @private  Counts the times that play was pressed; 0 while nothing plays. */
+    this.playing_ = 0;
+    /** @private */ this.presses_ = 0;
+    /** @private @type {number[]} When the last volumes were shown. */ this.times_ = [];
+    /** @private @type {{revision: number, go: () => void} | null} What waits for a picture. */
+    this.waiting_ = null;
+    const button = (/** @type {import('../elements/icons.js').IconName} */ name,
+      /** @type {string} */ title, /** @type {() => void} */ act) => h('button', {class: 'icon',
+      title, 'aria-label': title, 'data-testid': `cine-${name}`, onclick: act}, icon(name));
+    /** @private */
+    this.play_ = button('play', 'Play', () => this.playing_ ? this.pause() : void this.play());
+    /** @private */
+    this.slider_ = h('input', {type: 'range', min: 1, max: 1, step: 1,
+      'aria-label': 'Volume of the time series', 'data-testid': 'cine-slider',
+      oninput: () => this.step(Number(this.slider_.value))});
+    /** @private */
+    this.number_ = h('output', {class: 'number', 'data-testid': 'cine-number'});
+    /** @private */
+    this.when_ = h('span', {class: 'number when', 'data-testid': 'cine-when'});
+    /** @private */
+    this.rate_ = h('select', {class: 'small', 'aria-label': 'Speed', 'data-testid': 'cine-rate',
+      title: 'Volumes per second, at most'});
+    /** @private */
+    this.loops_ = h('input', {type: 'checkbox', checked: true, 'data-testid': 'cine-loop'});
+    /** @private  What a page needs that may not change anything. */
+    this.controls_ = [button('back', 'One volume back', () => this.step(this.wanted_ - 1)),
+      this.play_, button('on', 'One volume on', () => this.step(this.wanted_ + 1))];
+    byId('cine').append(h('div', {class: 'pair'}, ...this.controls_), this.slider_, this.number_,
+      this.when_, this.rate_, h('label', {class: 'small'}, this.loops_, ' loop'));
+    app.store.subscribe(['volume'], ({volume}) => this.take(volume));
+    app.picture.onShown(({revision}) => {
+      if (this.waiting_ && revision >= this.waiting_.revision) {
+        this.waiting_.go();
+        this.waiting_ = null;
+      }
+    });
+    app.modes.watch(mode => mode && this.pause());  // A click means the picture that is seen.
+    app.connection.on('lost', () => this.pause());
+    app.connection.on('hello', () => {
+      for (const control of [...this.controls_, this.slider_, this.rate_, this.loops_]) {
+        control.disabled = app.connection.watches;
+      }
+    });
+  }
+
+  /** @param {VolumeState | null} volume */
+  take(volume) {
+    const isOther = volume?.series_identity !== this.volume_?.series_identity;
+    this.volume_ = volume;
+    byId('cine').hidden = !volume || volume.frames < 2;
+    if (!volume) {
+      this.pause();
+      return;
+    }
+    if (isOther) {
+      this.pause();
+      this.wanted_ = volume.frame;
+      this.slider_.max = String(volume.frames);
+      this.offerRates_(volume);
+    }
+    if (!this.playing_) {
+      this.wanted_ = volume.frame;  // Another viewer, or undo, may have chosen it.
+    }
+    if (this.slider_ !== document.activeElement || this.playing_) {
+      this.slider_.value = String(volume.frame);
+    }
+    setText(this.number_, `${volume.frame} / ${volume.frames}`);
+    const when = volume.frame_ms > 0 ? `${grouped(volume.frame_ms * (volume.frame - 1))} ms` : '';
+    update(this.slider_, {'aria-valuetext':
+      `${volume.frame} of ${volume.frames}${when && `, at ${when}`}`});
+    setText(this.when_, this.playing_ ? this.speedText_() : when);
+  }
+
+  /**
+   * @private
+   * @param {VolumeState} volume
+   */
+  offerRates_({frame_ms}) {
+    const isReal = frame_ms > 0 && frame_ms <= REAL_TIME_MS;
+    this.rate_.replaceChildren(
+      isReal ? h('option', {value: REAL_TIME}, `real time (${grouped(1000 / frame_ms)}/s)`) : '',
+      ...RATES.map(rate => h('option', {value: rate}, `${rate}/s`)),
+      h('option', {value: FASTEST}, 'fastest'));
+    this.rate_.value = isReal ? REAL_TIME : String(USUAL_RATE);
+  }
+
+  /** @private  Least time between two volumes. */
+  get apart_ms_() {
+    const {value} = this.rate_;
+    return value === REAL_TIME ? this.volume_?.frame_ms ?? 0 : value === FASTEST ? 0
+      : 1000 / Number(value);
+  }
+
+  /** @private */
+  speedText_() {
+    const times = this.times_;
+    const ms = times.length > 2 ? (times[times.length - 1] - times[0]) / (times.length - 1) : 0;
+    return ms > 0 ? `${grouped(1000 / ms, 1)}/s` : '';
+  }
+
+  /** @param {number} frame  Beyond the ends, the series goes on at the other end. */
+  step(frame) {
+    this.pause();
+    const frames = this.volume_?.frames ?? 1;
+    this.wanted_ = (frame + frames - 1) % frames + 1;
+    void this.show_(this.wanted_);
+  }
+
+  /**
+   * @private
+   * @param {number} frame
+   */
+  show_(frame) {
+    return this.app_.connection.set({name: 'time', words: [String(frame)]});
+  }
+
+  pause() {
+    if (this.playing_) {
+      this.playing_ = 0;
+      this.look_();
+    }
+  }
+
+  /** @private */
+  look_() {
+    setIcon(this.play_, this.playing_ ? 'pause' : 'play');
+    update(this.play_, {title: this.playing_ ? 'Pause' : 'Play',
+      'aria-label': this.playing_ ? 'Pause' : 'Play'});
+    this.take(this.volume_);
+  }
+
+  /** Shows one volume after the other, each of them, until it ends or is paused. */
+  async play() {
+    const turn = this.playing_ = ++this.presses_;
+    this.times_ = [];
+    this.look_();
+    this.app_.connection.mark();  // One undo leads back to the volume of before.
+    let due = performance.now();
+    while (this.playing_ === turn) {
+      const frames = this.volume_?.frames ?? 1;
+      if (this.wanted_ >= frames && !this.loops_.checked && this.times_.length > 0) {
+        break;
+      }
+      this.wanted_ = this.wanted_ % frames + 1;
+      const {ok, revision = 0} = await this.show_(this.wanted_);
+      if (!ok) {
+        break;  // The page shows the error.
+      }
+      await this.shown_(revision);
+      const now = performance.now();
+      this.times_ = [...this.times_.filter(each => now - each < RATE_OVER_MS), now];
+      due = Math.max(due + this.apart_ms_, now - this.apart_ms_);  // What is lost stays lost.
+      await new Promise(go => { setTimeout(go, Math.max(0, due - now)); });
+    }
+    if (this.playing_ === turn) {
+      this.pause();
+    }
+  }
+
+  /**
+   * Waits until the picture of the volume is shown; not where no picture is.
+   * @private
+   * @param {number} revision  Of the state with the volume.
+   * @returns {Promise<void>}
+   */
+  shown_(revision) {
+    const {picture} = this.app_;
+    return new Promise(go => {
+      if (picture.stage.hidden || (picture.header?.revision ?? 0) >= revision) {
+        go();
+        return;
+      }
+      this.waiting_ = {revision, go};
+    });
+  }
+}
+
+/** @param {App} app */
+export function createCine(app) {
+  return new Cine(app);
+}
