@@ -20,7 +20,7 @@ const MOVES_PER_S = 60;
 const REST_MS = 500;         // After the last input the newest state must be shown, lossless.
 const CORES_PERCENT = 100;
 // The last two are those of a surface that is turned with warp.
-const GOALS = { surfaces: 10, frames: 25, latency: 120, changes: 30, pointer: 40 };
+const GOALS = { surfaces: 10, frames: 25, latency: 120, changes: 30, pointer: 40, volumes: 15 };
 const PHANTOM = 'phantom:pelvis';
 
 const { values: options } = parseArgs({ options: {
@@ -32,7 +32,7 @@ const { values: options } = parseArgs({ options: {
 } });
 const seconds = Number(options.seconds);
 if (!(seconds > 0)) throw new Error(`--seconds is above 0; it is ${options.seconds}`);
-if (options.volume !== PHANTOM && !existsSync(options.volume)) {
+if (!options.volume.startsWith('phantom:') && !existsSync(options.volume)) {
   throw new Error(`--volume: ${options.volume}: no such file`);
 }
 
@@ -73,16 +73,47 @@ function rested(rest_ms) {
   }, due - performance.now()));
 }
 
-/** One drag with what it costs. */
-async function measure(page, server, at, way) {
+/** Does something, and returns what it gives with its costs. */
+async function costs(server, act) {
   const trees = { server: () => treeOf(server.child.pid), browser: browserProcesses };
   const cpu = () => Object.values(trees).map(pids => cpuSeconds(pids()));
   const [before, begin] = [cpu(), performance.now()];
-  const drag = await swing(page, at, way);
+  const given = await act();
   const wall = (performance.now() - begin) / 1000;
   const [serverCpu, browserCpu] = cpu().map((s, i) => (s - before[i]) / wall * CORES_PERCENT);
+  return { ...given, serverCpu, browserCpu };
+}
+
+/** One drag with what it costs. */
+async function measure(page, server, at, way) {
+  const drag = await costs(server, () => swing(page, at, way));
   await settled(page);
-  return { ...drag, serverCpu, browserCpu };
+  return drag;
+}
+
+/** Plays a time series as fast as it goes, after a turn in which its volumes are read. */
+async function played(page, server) {
+  const find = id => page.getByTestId(id);
+  await find('cine-rate').selectOption('fast');
+  const loop = find('cine-loop'), play = find('cine-play');
+  await loop.uncheck();
+  await play.click();
+  await page.waitForFunction(() =>
+    document.querySelector('[data-testid=cine-play]').title === 'Play');
+  await loop.check();
+  await find('cine-number').evaluate(number => {
+    globalThis.volumesShown = 0;
+    new MutationObserver(() => { globalThis.volumesShown += 1; })
+      .observe(number, { childList: true, characterData: true, subtree: true });
+  });
+  return costs(server, async () => {
+    await play.click();
+    const begin = await page.evaluate(() => [globalThis.volumesShown, performance.now()]);
+    await sleep(1000 * seconds);
+    const end = await page.evaluate(() => [globalThis.volumesShown, performance.now()]);
+    await play.click();
+    return { rate: (end[0] - begin[0]) / (end[1] - begin[1]) * 1000 };
+  });
 }
 
 /** In the page: the picture at rest, as the machine sent it and as the canvas has it. */
@@ -146,6 +177,9 @@ await done(`surface ${surface.name} visible=yes`);
 const without = await page.evaluate(atRest);
 rows[`${subject} turned, warp off`] = await turned();
 
+const series = await page.evaluate(() => globalThis.pxpl5.state.volume.frames) > 1
+  ? await played(page, server) : null;
+
 const triangles = await page.evaluate(() => globalThis.pxpl5.state.surfaces
   .filter(({ visible }) => visible).map(({ triangles }) => triangles ?? NaN));
 console.log(`${[options.volume, ...options.load].join(' ')}, ${options.size}, ` +
@@ -165,6 +199,11 @@ for (const [name, row] of Object.entries(rows)) {
 console.log(`goals: ${GOALS.surfaces} surfaces/s, ${GOALS.frames} frames/s, median ` +
   `${GOALS.latency} ms; with warp ${GOALS.changes} canvas changes/s, pointer to screen median ` +
   `${GOALS.pointer} ms`);
+if (series) {
+  console.log(`time series: ${series.rate.toFixed(1)} volumes/s, each with its picture (goal ` +
+    `${GOALS.volumes}); CPU server ${series.serverCpu.toFixed(0)}, browser ` +
+    `${series.browserCpu.toFixed(0)}`);
+}
 console.log(`at rest: digest ${withWarp.digest} with warp, ${without.digest} without`);
 
 await close();
