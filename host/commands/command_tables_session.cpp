@@ -88,7 +88,7 @@ std::vector<Command> picture_commands() {
          run_sweep},
         {{.name = "cine",
           .help = "Draws each volume of a time series and writes the pictures. Films are in real "
-                  "time if the volumes are at most 200 ms apart.",
+                  "time if the volumes are 17 to 200 ms apart.",
           .words = {pattern},
           .options = {whole_value("from", "N", 1, max_frames, "first volume", "1"),
                       whole_value("to", "N", 1, max_frames, "last volume"), delay, rate,

@@ -41,7 +41,7 @@ int wished_frame(const Volume& volume, const Arguments& arguments) {
                             volume.source, volume.frames));
         }
         const double nearest = std::round(arguments.number("at", 0) / volume.frame_ms) + 1;
-        return static_cast<int>(std::min(nearest, double{1e9}));
+        return static_cast<int>(std::min(nearest, static_cast<double>(volume.frames)));
     }
     const std::string& word = arguments.words[0];
     if (word == "next") {
@@ -90,27 +90,23 @@ Turn turn_of(const Session& session, const Arguments& arguments) {
     return turn;
 }
 
-/// Shows one volume after the other, and at the end that of before, also after an error.
+/// Shows one volume after the other, and at the end the scene of before, also after an error.
 void run_through(Session& session, const Turn& turn, const std::function<void(int frame)>& act) {
-    const int before = session.scene.frame;
+    const Scene before = session.scene;
     try {
         for (int frame = turn.first; frame <= turn.last; ++frame) {
             show_frame(session, frame);
             act(frame);
         }
     } catch (const RequestError&) {
-        if (session.volumes.has_volume()) {
-            try {
-                show_frame(session, before);
-            } catch (const RequestError&) {  // The first error says more.
-            }
-        }
+        go_back(session, before);
         throw;
     }
-    show_frame(session, before);
+    go_back(session, before);
 }
 
-/// A surface at one time. Without a volume if what is drawn of it has no inside.
+/// A surface at one time. The faces of the scan close it. Without a volume if it has no triangles,
+/// or if components that its filter selects have holes.
 struct Measured {
     int frame = 1;
     std::int64_t triangles = 0;
@@ -123,15 +119,18 @@ struct Curve {
     std::vector<Measured> rows;
 };
 
-/// Measures what is drawn of the surface.
+/// Measures the components of the surface that its filter selects.
 Measured measured(Session& session, const Surface& surface) {
     const SurfaceReport& report = session.surfaces.report_of(surface.name);
-    Measured now{session.scene.frame, report.triangles, report.area_mm2, report.volume_mm3 / 1000};
+    Measured now{session.scene.frame, report.triangles, report.area_mm2, {}};
+    if (report.triangles > 0) {  // Else all voxels are on one side, and the text names no side.
+        now.volume_ml = report.volume_mm3 / 1000;
+    }
     if (surface.components.kind != ComponentFilter::Kind::all) {
         const DrawnComponents drawn = session.meshes.components(surface);
         now.triangles = std::ranges::count(drawn.shown, 1);
         now.area_mm2 = drawn.area_mm2();
-        now.volume_ml = drawn.volume_ml();
+        now.volume_ml = drawn.inside_ml();
     }
     return now;
 }
@@ -271,8 +270,8 @@ Answer summary_of(const Volume& volume, const Curve& curve) {
         .data("ejection_fraction", found->ejected());
 }
 
-/// Volumes that are this far apart or less are shown in real time.
-constexpr double real_time_ms = 200;
+/// Films whose volumes are so far apart are in real time.
+constexpr double least_real_ms = 1000 / film::max_rate, most_real_ms = 200;
 
 }  // namespace
 
@@ -299,10 +298,8 @@ Reply run_cine(Session& session, const Arguments& arguments) {
             "cine: its pictures cannot have a transparent ground. Name a color: ground=white");
     }
     const double apart_ms = session.volumes.volume().frame_ms;
-    PictureFiles files(session, arguments, 0, turn.count(),
-                       apart_ms > 0 && apart_ms <= real_time_ms
-                           ? std::clamp(apart_ms, 1000 / film::max_rate, 1000 / film::min_rate)
-                           : usual_delay_ms);
+    const bool is_real = apart_ms >= least_real_ms && apart_ms <= most_real_ms;
+    PictureFiles files(session, arguments, 0, turn.count(), is_real ? apart_ms : usual_delay_ms);
     files.set_volumes({turn.first, turn.last});
     const std::int64_t start_ns = now_ns();
     double elapsed_ms = 0;

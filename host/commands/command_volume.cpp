@@ -88,6 +88,11 @@ Fields atlas_fields(const std::vector<AtlasRow>& rows) {
 }  // namespace
 
 Reply run_load(Session& session, const Arguments& arguments) {
+    struct ForgetSeries {
+        TimeSeries& series;
+        ~ForgetSeries() { series.forget_others(); }
+    };
+    const ForgetSeries forget{session.series};
     const LoadReport report = [&] {
         const ProgressBar bar(session);
         return session.volumes.load(arguments.words[0], load_options(arguments));

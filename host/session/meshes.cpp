@@ -82,6 +82,19 @@ std::optional<double> DrawnComponents::volume_ml() const {
     return ml;
 }
 
+std::optional<double> DrawnComponents::inside_ml() const {
+    double ml = 0;
+    for (const MeshComponent& part : parts.components) {
+        if (is_drawn(part)) {
+            if (!part.volume_mm3) {
+                return std::nullopt;
+            }
+            ml += *part.volume_mm3 / 1000;
+        }
+    }
+    return ml;
+}
+
 double DrawnComponents::area_mm2() const {
     double mm2 = 0;
     for (const MeshComponent& part : parts.components) {

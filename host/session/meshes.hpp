@@ -34,6 +34,9 @@ struct DrawnComponents {
     }
     /// Volume of the drawn components, cavities taken off. Nothing unless all are closed.
     std::optional<double> volume_ml() const;
+    /// The same, where the faces of the scan close components that are open there alone. Nothing if
+    /// a drawn component has holes.
+    std::optional<double> inside_ml() const;
     double area_mm2() const;  ///< The area of the drawn components.
 };
 

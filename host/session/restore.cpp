@@ -90,13 +90,36 @@ void show_frame(Session& session, int frame) {
     try {
         restore(session, wanted);
     } catch (const RequestError&) {
-        if (session.volumes.has_volume() && session.scene.frame != before.frame) {
-            try {
-                restore(session, before);
-            } catch (const RequestError&) {  // The first error says more.
-            }
+        if (session.scene.frame != before.frame || !same_parameters(session.scene, before)) {
+            go_back(session, before);
         }
         throw;
+    }
+}
+
+void go_back(Session& session, const Scene& wanted) {
+    if (!session.volumes.has_volume()) {
+        return;  // A GP could not hold the volume: nothing is loaded.
+    }
+    const Conversation::Uncancelable whole(session.conversation);
+    try {
+        restore(session, wanted);
+    } catch (const RequestError& error) {
+        throw RequestError(ExitCode::failed,
+                           fmt::format("volume {} and its surfaces cannot be shown again: {}",
+                                       wanted.frame, error.what()));
+    }
+}
+
+/// Shows the wanted volume of a time series, or leaves the one that the host has given the GPs.
+void show_wanted_frame(Session& session, Scene& wanted) {
+    try {
+        session.series.show(wanted.frame);
+    } catch (const RequestError&) {  // Its file is gone, for example.
+        if (!session.volumes.has_volume()) {
+            throw;
+        }
+        wanted.frame = session.volumes.volume().frame;
     }
 }
 
@@ -108,6 +131,8 @@ void Session::begin_again(const Scene& wanted) {
     Scene possible = wanted;
     if (!volumes.has_volume()) {
         possible.surfaces.clear();  // A load has dropped the volume and did not finish.
+    } else {
+        show_wanted_frame(*this, possible);
     }
     restore_all(*this, possible);
 }

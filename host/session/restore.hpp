@@ -15,6 +15,10 @@ void restore(Session& session, const Scene& wanted);
 /// (RequestError), the former volume is shown again.
 void show_frame(Session& session, int frame);
 
+/// Calls restore() after something has failed or ended, without a cancel in between. Throws
+/// RequestError (failed) if the scene cannot be restored; then the history knows its losses.
+void go_back(Session& session, const Scene& wanted);
+
 /// Calls restore(), and restores size, samples and overlay of the picture, for example after a
 /// death.
 void restore_all(Session& session, const Scene& wanted);

@@ -20,8 +20,13 @@ int distance(int frame, const Volume& now) {
     return (frame - now.frame + now.frames) % now.frames;
 }
 
-/// Throws RequestError (bad_data) unless `next` can stand in the place of `now`.
-void check_alike(const Volume& next, const Volume& now) {
+/// Throws RequestError (bad_data) unless `next` is volume `frame` of the series of `now`.
+void check_alike(const Volume& next, int frame, const Volume& now) {
+    if (next.frame != frame) {
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("{}: volume {} of {} was wanted, volume {} of {} was read",
+                                       now.source, frame, now.frames, next.frame, next.frames));
+    }
     if (next.nx == now.nx && next.ny == now.ny && next.nz == now.nz && next.frames == now.frames &&
         next.voxel_to_patient == now.voxel_to_patient && next.slice_places == now.slice_places) {
         return;
@@ -55,18 +60,14 @@ void TimeSeries::show(int frame) {
         return;
     }
     check_frame(now, frame);
-    if (std::exchange(loads_, volumes_.loads()) != volumes_.loads()) {
-        kept_.clear();
-    }
+    forget_others();
+    loads_ = volumes_.loads();
     Volume next = take(frame);
-    check_alike(next, now);
+    check_alike(next, frame, now);
     keep(volumes_.exchange(std::move(next)));
 }
 
 TimeSeries::Kept TimeSeries::kept() const {
-    if (loads_ != volumes_.loads()) {
-        return {};
-    }
     Kept kept{kept_.size(), 0};
     for (const auto& [frame, volume] : kept_) {
         kept.bytes += bytes_of(volume);
@@ -74,14 +75,22 @@ TimeSeries::Kept TimeSeries::kept() const {
     return kept;
 }
 
-/// The volume, from memory or from its file.
+void TimeSeries::forget_others() {
+    if (loads_ != volumes_.loads() || !volumes_.has_volume()) {
+        kept_.clear();
+    }
+}
+
+/// The volume, from memory or from its file. The process that reads the next one starts meanwhile.
 Volume TimeSeries::take(int frame) {
     if (const auto found = kept_.extract(frame)) {
         return std::move(found.mapped());
     }
     ImportOptions options = volumes_.options();
     options.frame = static_cast<std::uint32_t>(frame);
-    return volumes_.read(volumes_.volume().source, options);
+    Volume volume = volumes_.read(volumes_.volume().source, options);
+    volumes_.prepare_read();
+    return volume;
 }
 
 /// Keeps a volume that is no longer shown. Those that are due last go if there are too many.

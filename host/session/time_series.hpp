@@ -28,6 +28,8 @@ class TimeSeries {
     /// one, which then stays; otherwise as Volumes::exchange().
     void show(int frame);
     Kept kept() const;
+    /// Frees the kept volumes if another volume, or none, was loaded since.
+    void forget_others();
 
   private:
     Volume take(int frame);

@@ -44,6 +44,8 @@ class Volumes {
     void drop();
     /// Reads a volume without distributing it.
     Volume read(const std::string& source, const ImportOptions& options = {});
+    /// Starts the process of the next read, which then begins at once.
+    void prepare_read() { conversation_.machine().prepare_io(); }
     /// Reads an archive without distributing it.
     ArchiveFacts read_archive(const std::string& source);
 

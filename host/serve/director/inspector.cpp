@@ -239,6 +239,7 @@ Answer answer_oblique(const Session& session, const Json& ask) {
     append(answer.bytes, values.data(), values.size());
     pad(answer.bytes);
     Json json = json_of(oblique_frame(plane), Scalar::float32);
+    json["frame"] = volume.frame;
     json["axes"] = nullptr;
     json["flips"] = nullptr;
     ContourAppender contours(json, answer);
@@ -272,6 +273,7 @@ Answer answer_slice(Session& session, const Json& ask) {
     Answer answer{"", shown_values.values};
     pad(answer.bytes);
     Json json = json_of(slice.frame, shown_values.type);
+    json["frame"] = session.volumes.volume().frame;
     if (wish) {
         json["slab"] = {{"thickness_mm", wish->thickness_mm},
                         {"kind", slab_kinds.at(static_cast<std::size_t>(wish->kind))},

@@ -56,7 +56,7 @@ function start() {
   const app = {connection, store, picture, modes: new Modes(), toasts,
     selection: new Selection(), session: new PageSession(), measures, grabs: new Grabs(),
     history: new OneHistory(connection, store, measures), layout: new Layout(),
-    views: new Views()};
+    views: new Views(), lagging: new Set()};
   app.session.add('layout', {save: () => app.layout.now,
     restore: saved => app.layout.restore(saved)});
   window.pxpl5 = measure(connection, store, picture);

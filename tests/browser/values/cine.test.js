@@ -90,6 +90,28 @@ test('slices show the volume, at the same place and with the same window', async
   assert.match(await byId('slice-count-0').innerText(), /^21 \//);
 });
 
+test('slices keep up while it plays', async () => {
+  await shows(1, () => say(raw, 'time 1'));
+  await byId('choice-slices').click();
+  await byId('cine-rate').selectOption('fast');
+  await byId('cine-loop').uncheck();
+  await byId('slice-axial').evaluate(canvas => {
+    globalThis.axial = new Set();
+    document.addEventListener('sliceshown', () => requestAnimationFrame(() => {
+      const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+      globalThis.axial.add(data.reduce((hash, value) => (Math.imul(hash, 31) + value) | 0, 7));
+    }));
+  });
+  await byId('cine-play').click();
+  await stateWhen(page, frameIs, FRAMES);
+  await page.waitForFunction(() =>
+    document.querySelector('[data-testid=cine-play]').title === 'Play');
+  const seen = await page.evaluate(() => globalThis.axial.size);
+  assert.ok(seen > 12, `${seen} different slices`);  // Some volumes are alike.
+  await byId('choice-picture').click();
+  await settled(page);
+});
+
 test('a measurement belongs to the volume that it was made in', async () => {
   await shows(1, () => say(raw, 'time 1'));
   await byId('tab-measure').click();

@@ -42,6 +42,8 @@ class MeasurePanel {
     /** Ends after all clicks so far: a measurement does not end before the points of its clicks. */
     this.clicked = Promise.resolve();
     this.identity = '';
+    /** Identity of the shown volume. @type {string | undefined} */
+    this.voxels = undefined;
     /** The place of the note that is being written. @type {Triple | null} */
     this.note = null;
     /** Boxes of the labels by name. @type {Map<string, import('../panel/labels.js').Box>} */
@@ -124,6 +126,11 @@ class MeasurePanel {
     app.store.subscribe(['volume'], ({volume}) => {
       app.measures.show(volume);
       this.open(volume?.series_identity ?? '');
+      if (volume?.identity !== this.voxels) {
+        this.voxels = volume?.identity;
+        this.points = new Points(this.kind);  // None joins points of two volumes.
+        this.draw();
+      }
     });
     app.session.add('measurements', {
       save: () => app.measures.list, restore: saved => this.restore(saved)});
@@ -188,7 +195,7 @@ class MeasurePanel {
     if (this.rewrite(x, y)) {
       return;
     }
-    const identity = this.identity;
+    const {voxels} = this;
     // The point of each click is kept: the pixel may show another one at the next click.
     const isPart = kind === 'part';
     if (isPart) {
@@ -196,8 +203,8 @@ class MeasurePanel {
     }
     const {ok, error = '', result} = await this.app.connection.do(
       `pick ${x} ${y}${isPart ? ' part=yes' : ''}`, {quiet: true});
-    if (identity !== this.identity) {
-      return;  // The point belongs to a volume that was open before.
+    if (voxels !== this.voxels) {
+      return;  // The point belongs to a volume that was shown before.
     }
     if (!ok || !result?.hit) {
       this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
@@ -306,14 +313,14 @@ class MeasurePanel {
    * @param {Triple} p_mm
    */
   write(p_mm) {
-    const {picture, measures} = this.app, {identity} = this;
+    const {picture, measures} = this.app, {voxels} = this;
     const place = picture.eyes()[0]?.project(p_mm) ?? {x: 0, y: 0};
     this.note = p_mm;
     this.draw();
     this.message.say('Type the text of the note. Enter keeps it.');
     this.edit({left: place.x + ASIDE, top: place.y - ASIDE}, '', text => {
       this.note = null;
-      const refusal = text !== null && identity === this.identity
+      const refusal = text !== null && voxels === this.voxels
         ? measures.add({kind: 'note', points_mm: [p_mm], value: 0, text}) : '';
       if (refusal) {
         this.message.fail(refusal);

@@ -5,7 +5,8 @@
 // the events `panelshow` and `panelhide`. panels.css has the styles of the panels.
 // A view sends a patient position to the other views as the event `place` on `document`, with
 // {p_mm, from} as `detail`. The histogram sends its counts as the event `counts`, with {identity,
-// counts}: of the volume, and {first, width, counts}.
+// counts}: of the volume, and {first, width, counts}. The event `pauseseries` ends the play of a
+// time series, because something needs one volume.
 // Each control has a data-testid for the tests. The page's policy (CSP) forbids styles and scripts
 // in markup.
 
@@ -27,6 +28,9 @@
  * @property {import('../state/layout.js').Layout} layout
  * @property {import('./one_history.js').OneHistory} history
  * @property {import('./views.js').Views} views
+ * @property {Set<() => boolean>} lagging  Whether a part still shows another volume of the time
+ *     series than the state's. The event `sliceshown` on `document` says that this may have
+ *     changed.
  */
 
 export {};

@@ -73,10 +73,7 @@ export class MeasureList {
       'aria-label': `Measurement ${name}`, title: 'Shows its ends and its name',
       'data-testid': `${this.testid_}-choose-${name}`, onclick: () => {
         measures.choose(isChosen ? '' : name);
-        const {frame} = measures.named(name) ?? {};
-        if (!isChosen && frame !== undefined && frame !== measures.time.frame) {
-          void this.app_.connection.do(`time ${frame}`);
-        }
+        this.showVolume_(measures.named(name));
         /** @type {HTMLElement | null | undefined} */
         (this.rows_.get(name)?.element.querySelector('.badge'))?.focus();
       }}, name);
@@ -96,6 +93,26 @@ export class MeasureList {
         : measure.part ? partText(measure.part, unit) : '',
       measures.isSeen(measure) ? '' : `of volume ${measure.frame}`].filter(Boolean).join(', '));
     }};
+  }
+
+  /**
+   * Shows the volume of the time series that the chosen measurement belongs to.
+   * @private
+   * @param {Measure | null} measure
+   */
+  showVolume_(measure) {
+    const {measures, store, connection} = this.app_;
+    if (!measure || measure.name !== measures.chosen || measures.isSeen(measure)) {
+      return;
+    }
+    const {name, frame = 1} = measure, isThere = frame <= (store.state?.volume?.frames ?? 1);
+    if (isThere && !connection.watches) {
+      document.dispatchEvent(new Event('pauseseries'));
+      void connection.do(`time ${frame}`);
+    } else {
+      this.message_.fail(`Measurement ${name} belongs to volume ${frame}, which `
+        + (isThere ? 'is not shown.' : 'this scan does not have.'));
+    }
   }
 
   /**

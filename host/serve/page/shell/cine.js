@@ -12,6 +12,7 @@ const RATES = [2, 5, 10, 15, 25];  // Volumes per second.
 const USUAL_RATE = 10;
 const REAL_TIME = 'time', FASTEST = 'fast';
 const RATE_OVER_MS = 2000;
+const MOST_LAG_MS = 1000;      // Slices that are late hold up a series for so long.
 
 class Cine {
   /** @param {App} app */
@@ -19,11 +20,13 @@ class Cine {
     /** @private */ this.app_ = app;
     /** @private @type {VolumeState | null} */ this.volume_ = null;
     /** @private  The volume that was asked for last. */ this.wanted_ = 1;
+    /** @private  Number of requests without a reply. */ this.underWay_ = 0;
+    /** @private  Whether a pointer holds the slider. */ this.isHeld_ = false;
     /** @private  Counts the times that play was pressed; 0 while nothing plays. */
     this.playing_ = 0;
     /** @private */ this.presses_ = 0;
     /** @private @type {number[]} When the last volumes were shown. */ this.times_ = [];
-    /** @private @type {{revision: number, go: () => void} | null} What waits for a picture. */
+    /** @private @type {(() => void) | null} Tries whether the volume is shown everywhere. */
     this.waiting_ = null;
     const button = (/** @type {import('../elements/icons.js').IconName} */ name,
       /** @type {string} */ title, /** @type {() => void} */ act) => h('button', {class: 'icon',
@@ -33,6 +36,9 @@ class Cine {
     /** @private */
     this.slider_ = h('input', {type: 'range', min: 1, max: 1, step: 1,
       'aria-label': 'Volume of the time series', 'data-testid': 'cine-slider',
+      onpointerdown: () => { this.isHeld_ = true; },
+      onpointerup: () => { this.isHeld_ = false; },
+      onpointercancel: () => { this.isHeld_ = false; },
       oninput: () => this.step(Number(this.slider_.value))});
     /** @private */
     this.number_ = h('output', {class: 'number', 'data-testid': 'cine-number'});
@@ -49,12 +55,9 @@ class Cine {
     byId('cine').append(h('div', {class: 'pair'}, ...this.controls_), this.slider_, this.number_,
       this.when_, this.rate_, h('label', {class: 'small'}, this.loops_, ' loop'));
     app.store.subscribe(['volume'], ({volume}) => this.take(volume));
-    app.picture.onShown(({revision}) => {
-      if (this.waiting_ && revision >= this.waiting_.revision) {
-        this.waiting_.go();
-        this.waiting_ = null;
-      }
-    });
+    app.picture.onShown(() => this.waiting_?.());
+    document.addEventListener('sliceshown', () => this.waiting_?.());
+    document.addEventListener('pauseseries', () => this.pause());
     app.modes.watch(mode => mode && this.pause());  // A click means the picture that is seen.
     app.connection.on('lost', () => this.pause());
     app.connection.on('hello', () => {
@@ -79,11 +82,15 @@ class Cine {
       this.slider_.max = String(volume.frames);
       this.offerRates_(volume);
     }
-    if (!this.playing_) {
-      this.wanted_ = volume.frame;  // Another viewer, or undo, may have chosen it.
+    const {wanted_: wanted} = this, {frames} = volume;
+    if (this.playing_ && ![wanted, wanted - 1 || frames].includes(volume.frame)) {
+      this.pause();  // Undo, or another viewer, has chosen another one.
     }
-    if (this.slider_ !== document.activeElement || this.playing_) {
-      this.slider_.value = String(volume.frame);
+    if (this.underWay_ === 0 && !this.playing_) {
+      this.wanted_ = volume.frame;
+    }
+    if (!this.isHeld_) {
+      this.slider_.value = String(this.playing_ ? volume.frame : this.wanted_);
     }
     setText(this.number_, `${volume.frame} / ${volume.frames}`);
     const when = volume.frame_ms > 0 ? `${grouped(volume.frame_ms * (volume.frame - 1))} ms` : '';
@@ -131,8 +138,14 @@ class Cine {
    * @private
    * @param {number} frame
    */
-  show_(frame) {
-    return this.app_.connection.set({name: 'time', words: [String(frame)]});
+  async show_(frame) {
+    this.underWay_ += 1;
+    const reply = await this.app_.connection.set({name: 'time', words: [String(frame)]});
+    this.underWay_ -= 1;
+    if (!reply.ok && !reply.superseded && this.volume_) {
+      this.wanted_ = this.volume_.frame;
+    }
+    return reply;
   }
 
   pause() {
@@ -179,19 +192,29 @@ class Cine {
   }
 
   /**
-   * Waits until the picture of the volume is shown; not where no picture is.
+   * Waits until picture and slices show the volume, as far as they are on the screen. Waits for
+   * slices only so long.
    * @private
    * @param {number} revision  Of the state with the volume.
    * @returns {Promise<void>}
    */
   shown_(revision) {
-    const {picture} = this.app_;
+    const {picture, lagging, store} = this.app_;
     return new Promise(go => {
-      if (picture.stage.hidden || (picture.header?.revision ?? 0) >= revision) {
-        go();
-        return;
-      }
-      this.waiting_ = {revision, go};
+      const due = performance.now() + MOST_LAG_MS;
+      const isPictureThere = () => picture.stage.hidden ||
+        (picture.header?.revision ?? 0) >= revision;
+      const areSlicesThere = () => (store.state?.revision ?? 0) >= revision &&
+        [...lagging].every(isBehind => !isBehind());
+      const attempt = () => {
+        if (isPictureThere() && (areSlicesThere() || performance.now() >= due)) {
+          this.waiting_ = null;
+          go();
+        }
+      };
+      this.waiting_ = attempt;
+      setTimeout(attempt, MOST_LAG_MS);
+      attempt();
     });
   }
 }

@@ -229,7 +229,7 @@ export class SliceMeasure {
     const view = this.panel_.views().find(({shown}) => !own || shown?.axis === own.axis);
     const isShown = own ? view?.shown?.index === own.index : view?.shows(voxel);
     const to = view?.beside(voxel, across, down);
-    if (!view || !to || !isShown) {
+    if (!view || !to || !isShown || view.isOld) {
       this.message_.fail(LATER);
     } else if (!view.isInside(to)) {
       this.message_.fail(`The end of measurement ${measure.name} is at the edge of the slice, and `

@@ -210,6 +210,7 @@ function paintLetters({canvas, context, slice: {letters, slab}, width, height, u
 /**
  * What a view shows.
  * @typedef {object} Shown
+ * @property {boolean} isOld                The slice is of another volume than the open one.
  * @property {HTMLCanvasElement} canvas     On the screen, for colors of the style sheet.
  * @property {string} plane
  * @property {Slice} slice

@@ -32,6 +32,9 @@ export function pictureOf(shown, {size: [width, height], ground, marks}) {
   if (!shown) {
     throw new Error('The slice is not shown any more. Open a volume, and show the slices.');
   }
+  if (shown.isOld) {
+    throw new Error('The slice is still that of another volume. Try again when it has changed.');
+  }
   const canvas = h('canvas', {width, height}), context = contextOf(canvas);
   const {clientWidth: across, clientHeight: down} = shown.canvas;
   const scale = areAlike([width, height], [across, down]) ? width / across

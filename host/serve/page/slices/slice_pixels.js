@@ -19,6 +19,7 @@ import {WHOLE} from './slice_zoom.js';
  * @typedef {object} Slice
  * @property {Axis | 'oblique'} axis  Voxel axis perpendicular to the slice.
  * @property {number} index
+ * @property {number} frame         Number of its volume in the time series.
  * @property {Oblique} [oblique]    The slice is oblique: it has no axes, flips and index.
  * @property {number} width         Pixels.
  * @property {number} height

@@ -50,8 +50,14 @@ export class SliceView {
       'data-testid': `slice-${plane.toLowerCase()}`,
     });
     this.draw = onceAFrame(() => this.draw_());
+    /** Whether the slice is of another volume than the open one. */ this.isOld = false;
     /** @private */ this.input_ = new SliceInput(this, events);
     watchSize(this.canvas, this.draw);
+  }
+
+  /** The volume has changed: until the next slice is shown, this one is of another volume. */
+  outdate() {
+    this.isOld = this.slice_ !== null;
   }
 
   /**
@@ -62,6 +68,7 @@ export class SliceView {
    */
   show(slice, size, through) {
     this.slice_ = slice;
+    this.isOld = false;
     this.size_ = size;
     this.repaint(through);
     const number = slice.oblique ? '' : ` ${slice.index + 1} of ${size[slice.axes[2]]}`;
@@ -94,6 +101,7 @@ export class SliceView {
   /** Clears the view. */
   clear() {
     this.slice_ = null;
+    this.isOld = false;
     this.crosshair_ = null;
     this.zoom_ = WHOLE;
     this.canvas.setAttribute('aria-label', `${this.plane_} slice`);
@@ -333,8 +341,8 @@ export class SliceView {
 
   /** @returns {import('./slice_paint.js').Shown | null}  Null without a slice. */
   get all() {
-    return this.slice_ && {canvas: this.canvas, plane: this.plane_, slice: this.slice_,
-      size: this.size_, zoom: this.zoom_, image: this.image_, look: this.look_,
+    return this.slice_ && {isOld: this.isOld, canvas: this.canvas, plane: this.plane_,
+      slice: this.slice_, size: this.size_, zoom: this.zoom_, image: this.image_, look: this.look_,
       crosshair: this.crosshair_, marks: this.marks_, cuts: this.cuts_(this.slice_)};
   }
 

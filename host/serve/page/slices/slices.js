@@ -4,6 +4,7 @@ import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {ObliquePane} from './oblique_pane.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {cutsOf} from './slice_cuts.js';
+import {eventsOf} from './slice_events.js';
 import {SliceMeasure} from './slice_measure.js';
 import {SlicePlace} from './slice_place.js';
 import {pictureOf, shownSize} from './slice_picture.js';
@@ -14,7 +15,7 @@ import {SliceSettings} from './slice_settings.js';
 import {SlabControls} from './slice_slab.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
-import {TOOLS, takeTissue} from './slice_tools.js';
+import {TOOLS} from './slice_tools.js';
 import {beyond, differing} from './slice_words.js';
 import {limitedTimes} from './slice_zoom.js';
 import {WindowControls} from './window_controls.js';
@@ -43,22 +44,16 @@ export class SlicesPanel {
   constructor(root, app) {
     this.app = app;
     this.root = root;
-    /** @type {VolumeState | null} */
-    this.volume = null;
+    /** @type {VolumeState | null} */ this.volume = null;
     /** Surfaces whose contours are incomplete, by plane. @type {string[][]} */
     this.leftOut = PLANES.map(() => []);
     /** Zoom of all slices. */ this.times = 1;
-    /** @type {Vector} */
-    this.voxel = [0, 0, 0];
-    /** @type {ReturnType<typeof planesOf>} */
-    this.planes = [];
+    /** @type {Vector} */ this.voxel = [0, 0, 0];
+    /** @type {ReturnType<typeof planesOf>} */ this.planes = [];
     /** Number of opened volumes. */ this.opened = 0;
-    /** The planes whose lines the views have, as JSON. */
-    this.lines = '';
-    /** The settings that the contours depend on, as JSON. */
-    this.contours = '';
-    /** @type {ReturnType<typeof setTimeout> | undefined} */
-    this.resting = undefined;
+    /** The planes whose lines the views have, as JSON. */ this.lines = '';
+    /** The settings that the contours depend on, as JSON. */ this.contours = '';
+    /** @type {ReturnType<typeof setTimeout> | undefined} */ this.resting = undefined;
     this.visible = false;
     this.stale = true;
     this.skew = 0;
@@ -68,7 +63,7 @@ export class SlicesPanel {
     this.beyond = h('p', {class: 'legend', 'data-testid': 'slices-beyond'});
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.oblique = new ObliquePane(app.connection,
-      new SliceView('Oblique', this.events(PLANES.length)), {changed: () => this.cut(),
+      new SliceView('Oblique', eventsOf(this, PLANES.length)), {changed: () => this.cut(),
         shown: slice => {
           this.show(this.oblique.view, slice);
           this.tell(PLANES.length, slice);
@@ -130,34 +125,21 @@ export class SlicesPanel {
   }
 
   /**
-   * @param {number} number  Index of the plane; the oblique slice follows the last.
-   * @returns {import('./slice_input.js').Events}
-   */
-  events(number) {
-    return {
-      point: voxel => this.point(number < PLANES.length ? voxel : this.oblique.hold(voxel)),
-      measure: (phase, voxel) =>
-        this.volume && this.measure.take(phase, voxel, this.views()[number], this.volume),
-      end: (phase, end, voxel) =>
-        this.volume && this.measure.drag(phase, end, voxel, this.views()[number], this.volume),
-      tissue: value => this.volume && takeTissue(this.app, this.message, this.volume, value),
-      hover: under => this.hover(under, number),
-      step: by => this.step(number, by),
-      window: (across, down) => this.window.drag(across, down),
-      zoom: (by, at) => this.zoom(by, number, at),
-    };
-  }
-
-  /**
    * @param {SliceView} view
    * @param {import('./slice_pixels.js').Slice} slice
    */
   show(view, slice) {
-    if (this.volume) {
+    if (this.volume?.frame === slice.frame) {  // Else the state of that volume follows.
       view.show(slice, this.volume.size, this.window.through);
       view.setCrosshair(this.voxel);
       this.tellValue();
+      document.dispatchEvent(new Event('sliceshown'));
     }
+  }
+
+  /** Whether a slice on the screen still is one of another volume of the series. */
+  get isBehind() {
+    return this.visible && this.panes.some(({view}) => view.isOld);
   }
 
   /** Shows where clip planes and the oblique slice cut the slices. */
@@ -176,7 +158,7 @@ export class SlicesPanel {
    * @returns {Pane}
    */
   pane(number) {
-    const view = new SliceView(PLANES[number], this.events(number));
+    const view = new SliceView(PLANES[number], eventsOf(this, number));
     const source = new SliceSource(this.app.connection, {
       slice: slice => {
         if (this.volume) {
@@ -204,6 +186,7 @@ export class SlicesPanel {
   listen() {
     const {store, connection, modes, selection, session} = this.app;
     keepInSession(session, this);
+    this.app.lagging.add(() => this.isBehind);
     modes.watch(() => this.takeTool());
     this.app.measures.watch(() => this.mark());
     selection.watch(name => { this.target.value = name; });
@@ -242,7 +225,6 @@ export class SlicesPanel {
 
   /** @param {boolean} isOpen  Whether another volume follows. */
   clear(isOpen) {
-    this.measure.forget();
     this.root.classList.toggle('empty', !isOpen);
     this.message.say(isOpen ? '' : EMPTY);
     this.notes.textContent = '';
@@ -260,6 +242,8 @@ export class SlicesPanel {
     this.volume = volume;
     ++this.opened;
     this.panes.forEach(({source}) => source.forget());
+    this.measure.forget();  // No measurement joins points of two volumes.
+    this.views().forEach(view => view.outdate());
     if (!same) {
       this.clear(volume !== null);
     }

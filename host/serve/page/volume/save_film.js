@@ -19,7 +19,8 @@ const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', '
   ['black', 'black ground']]);
 const MOST_PICTURES = 10000;
 const MOST_RATE = 60;       // Pictures per second.
-const REAL_TIME_MS = 200;   // Volumes of a series that are as near as this are shown in real time.
+// Volumes of a series that are so far apart are shown in real time, others at 25 per second.
+const REAL_TIME_MS = [1000 / MOST_RATE, 200];
 const MOST_DEGREES = 36000;
 const MOST_VALUE = 1e9;
 const WIDTH = 0.25;     // A sweep goes so far to both sides at first, as a share of all values.
@@ -70,9 +71,9 @@ class FilmPart {
           onclick: () => void attempt(app, dialog, this.wrong, () => this.make())}, 'Make film')),
       this.wrong);
     this.kind.addEventListener('change', () => {
-      const {frame_ms} = this.series();
-      if (this.kind.value === 'cine' && frame_ms > 0 && frame_ms <= REAL_TIME_MS) {
-        this.rate.input.value = plain(Math.min(MOST_RATE, 1000 / frame_ms));
+      const {frame_ms} = this.series(), [least, most] = REAL_TIME_MS;
+      if (this.kind.value === 'cine' && frame_ms >= least && frame_ms <= most) {
+        this.rate.input.value = plain(1000 / frame_ms);
       }
       this.show();
     });

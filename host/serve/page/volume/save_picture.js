@@ -122,10 +122,10 @@ class PicturePart {
       return this.madeOf(this.view);
     }
     const eye = eyeSize(this.app, this.size), marks = this.marks.checked;
-    const legend = this.legendOf(null);
     this.dialog.close();
     const name = `${baseName(this.app)}.${format}`;
     const drawing = await this.drawn(name, eye.join('x'));
+    const legend = this.legendOf(null);  // Of the volume that was drawn.
     const blob = format === 'png' && (marks || legend.length > 0)
       ? await this.app.picture.marked(drawing, {eye, marks, legend,
         isLight: this.ground.value === 'white' ? true : null})

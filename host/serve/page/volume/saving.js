@@ -62,6 +62,7 @@ export function createSaveDialog(app) {
   document.body.append(dialog);
   return () => {
     if (!app.connection.watches) {
+      document.dispatchEvent(new Event('pauseseries'));
       picture.refresh();
       film.refresh();
       dialog.showModal();
