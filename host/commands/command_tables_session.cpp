@@ -31,6 +31,12 @@ constexpr Parameter pattern = {"PATTERN",
                                {},
                                {},
                                pattern_suffixes};
+constexpr Parameter delay_of_volumes =
+    number_value("delay_ms", "D", 10, 60'000,
+                 "time between the pictures of a .gif; by default that of the volumes", "ms");
+constexpr Parameter rate_of_volumes =
+    number_value("rate", "R", film::min_rate, film::max_rate,
+                 "frames per second of a .webm; by default in real time", "frames/s");
 constexpr Parameter size_of_pictures = {"size", "WIDTHxHEIGHT", "size of these pictures"};
 constexpr Parameter samples_of_pictures = {"samples", "1|4|16",
                                            "samples per pixel of these pictures"};
@@ -87,12 +93,13 @@ std::vector<Command> picture_commands() {
           .stage = RenderStage::output},
          run_sweep},
         {{.name = "cine",
-          .help = "Draws each volume of a time series and writes the pictures. Films are in real "
-                  "time if the volumes are 17 to 200 ms apart.",
+          .help = "Draws each volume of a time series and writes the pictures; {} is the number of "
+                  "the volume. A .webm or .gif is in real time if the volumes are 17 to 200 ms "
+                  "apart, else it has 25 volumes per second.",
           .words = {pattern},
           .options = {whole_value("from", "N", 1, max_frames, "first volume", "1"),
-                      whole_value("to", "N", 1, max_frames, "last volume"), delay, rate,
-                      size_of_pictures, samples_of_pictures, ground_of_pictures},
+                      whole_value("to", "N", 1, max_frames, "last volume"), delay_of_volumes,
+                      rate_of_volumes, size_of_pictures, samples_of_pictures, ground_of_pictures},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output},

@@ -28,6 +28,16 @@ std::optional<double> time_ms(const Volume& volume, int frame) {
     return volume.frame_ms > 0 ? std::optional(volume.frame_ms * (frame - 1)) : std::nullopt;
 }
 
+/// Throws RequestError (usage) if the volume is no time series.
+void check_series(const Volume& volume, const std::string& command) {
+    if (volume.frames == 1) {
+        refuse_command(
+            fmt::format("{}: {} is one volume; load a file of several volumes, for "
+                        "example phantom:heart",
+                        command, volume.source));
+    }
+}
+
 /// The volume that the command names: a number, "next", "previous", or the one nearest to at=.
 int wished_frame(const Volume& volume, const Arguments& arguments) {
     if (arguments.has("at")) {
@@ -40,8 +50,16 @@ int wished_frame(const Volume& volume, const Arguments& arguments) {
                             "number of one, 1 to {}",
                             volume.source, volume.frames));
         }
-        const double nearest = std::round(arguments.number("at", 0) / volume.frame_ms) + 1;
-        return static_cast<int>(std::min(nearest, static_cast<double>(volume.frames)));
+        const double at_ms = arguments.number("at", 0);
+        const double nearest = std::round(at_ms / volume.frame_ms) + 1;
+        if (nearest > volume.frames) {
+            refuse_command(
+                fmt::format("time: at={:g} ms is beyond the last volume of {}, at {:g} "
+                            "ms: give 0 to {:g}",
+                            at_ms, volume.source, volume.frame_ms * (volume.frames - 1),
+                            volume.frame_ms * (volume.frames - 1)));
+        }
+        return static_cast<int>(nearest);
     }
     const std::string& word = arguments.words[0];
     if (word == "next") {
@@ -49,6 +67,12 @@ int wished_frame(const Volume& volume, const Arguments& arguments) {
     }
     if (word == "previous") {
         return (volume.frame + volume.frames - 2) % volume.frames + 1;
+    }
+    if (word.empty() || word.find_first_not_of("0123456789-") != std::string::npos) {
+        refuse_command(
+            fmt::format("time: '{}' is no number of a volume, 'next' or 'previous'; {} "
+                        "has volumes 1 to {}",
+                        word, volume.source, volume.frames));
     }
     return parse_whole("time", word);
 }
@@ -79,13 +103,19 @@ struct Turn {
 
 Turn turn_of(const Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();
+    check_series(volume, arguments.name);
     const Turn turn{parse_whole("from", arguments.text("from", "1")),
                     parse_whole("to", arguments.text("to", std::to_string(volume.frames)))};
-    check_frame(volume, turn.first);
-    check_frame(volume, turn.last);
+    for (const auto& [option, frame] : {std::pair{"from", turn.first}, {"to", turn.last}}) {
+        if (frame > volume.frames) {
+            refuse_command(fmt::format("{}: {}={} is beyond the last volume of {}: give 1 to {}",
+                                       arguments.name, option, frame, volume.source,
+                                       volume.frames));
+        }
+    }
     if (turn.last < turn.first) {
-        refuse_command(
-            fmt::format("{}: to={} is before from={}", arguments.name, turn.last, turn.first));
+        refuse_command(fmt::format("{}: to={} is before from={}: give to={} or more",
+                                   arguments.name, turn.last, turn.first, turn.first));
     }
     return turn;
 }
@@ -177,7 +207,7 @@ std::vector<Curve> curves_of(Session& session, const Turn& turn) {
 Table table_of(const Volume& volume, const std::vector<Curve>& curves) {
     Table table{"rows",
                 {{"surface", "surface"},
-                 {"frame", "volume"},
+                 {"frame", "frame"},
                  {"time_ms", "time (ms)"},
                  {"triangles", "triangles"},
                  {"area_mm2", "area (mm2)"},
@@ -195,14 +225,44 @@ Table table_of(const Volume& volume, const std::vector<Curve>& curves) {
     return table;
 }
 
+/// "blood: largest ..., least ...; ejection fraction 60.4 %", of a part of the series "of volumes 8
+/// to 13".
+std::string summary_text(const Volume& volume, const Curve& curve) {
+    const std::optional<Extremes> found = extremes_of(curve);
+    if (!found) {
+        return curve.surface + ": no volume at some time: no triangles, or parts with holes";
+    }
+    const auto at = [&](const Measured& row) {
+        const std::optional<double> ms = time_ms(volume, row.frame);
+        return fmt::format("{:.2f} ml (volume {}{})", *row.volume_ml, row.frame,
+                           ms ? fmt::format(", {:g} ms", *ms) : "");
+    };
+    const auto count = static_cast<int>(curve.rows.size());
+    if (count == 1) {
+        return fmt::format("{}: {}", curve.surface, at(found->largest));
+    }
+    return fmt::format("{}: largest {}, least {}; ejection fraction {}{:.1f} %", curve.surface,
+                       at(found->largest), at(found->least),
+                       count < volume.frames
+                           ? fmt::format("of volumes {} to {}: ", curve.rows.front().frame,
+                                         curve.rows.back().frame)
+                           : "",
+                       100 * found->ejected());
+}
+
 /// Volume and area of each surface over time.
 Chart curve_chart(const Volume& volume, const std::vector<Curve>& curves) {
     const bool has_time = volume.frame_ms > 0;
-    const PlotAxis x{has_time ? "time (ms)" : "volume of the series", PlotScale::linear};
+    const PlotAxis x{has_time ? "time (ms)" : "frame", PlotScale::linear};
+    std::string note;
+    for (const Curve& curve : curves) {
+        note += (note.empty() ? "" : "; ") + summary_text(volume, curve);
+    }
     LinePlot volumes{volume.name, "", x, {"volume (ml)", PlotScale::linear}, {}};
-    LinePlot areas{"", "", x, {"area (cm\u00b2)", PlotScale::linear}, {}};
+    LinePlot areas{"", note, x, {"area (cm\u00b2)", PlotScale::linear}, {}};
     for (std::size_t i = 0; i < curves.size(); ++i) {
-        PlotLine ml{curves[i].surface, {}, i, false, {}}, cm2 = ml;
+        PlotLine ml{curves[i].surface, {}, i, false, {}};
+        PlotLine cm2{curves[i].surface, {}, i, false, {}};
         for (const Measured& row : curves[i].rows) {
             const double at = has_time ? *time_ms(volume, row.frame) : row.frame;
             if (row.volume_ml) {
@@ -247,27 +307,18 @@ void write_curve(Session& session, const std::vector<Curve>& curves, const std::
 }
 
 Answer summary_of(const Volume& volume, const Curve& curve) {
-    const std::optional<Extremes> found = extremes_of(curve);
-    if (!found) {
-        return Answer()
-            .line(fmt::format("{}: no volume at some time: no triangles, or open parts",
-                              curve.surface))
-            .data("name", curve.surface);
+    Answer answer;
+    answer.line(summary_text(volume, curve)).data("name", curve.surface);
+    if (const std::optional<Extremes> found = extremes_of(curve)) {
+        answer.data("largest_ml", *found->largest.volume_ml)
+            .data("largest_frame", found->largest.frame)
+            .data("least_ml", *found->least.volume_ml)
+            .data("least_frame", found->least.frame);
+        if (curve.rows.size() > 1) {
+            answer.data("ejection_fraction", found->ejected());
+        }
     }
-    const auto at = [&](const Measured& row) {
-        const std::optional<double> ms = time_ms(volume, row.frame);
-        return fmt::format("{:.2f} ml (volume {}{})", *row.volume_ml, row.frame,
-                           ms ? fmt::format(", {:g} ms", *ms) : "");
-    };
-    return Answer()
-        .line(fmt::format("{}: largest {}, least {}; ejection fraction {:.1f} %", curve.surface,
-                          at(found->largest), at(found->least), 100 * found->ejected()))
-        .data("name", curve.surface)
-        .data("largest_ml", *found->largest.volume_ml)
-        .data("largest_frame", found->largest.frame)
-        .data("least_ml", *found->least.volume_ml)
-        .data("least_frame", found->least.frame)
-        .data("ejection_fraction", found->ejected());
+    return answer;
 }
 
 /// Films whose volumes are so far apart are in real time.
@@ -277,7 +328,7 @@ constexpr double least_real_ms = 1000 / film::max_rate, most_real_ms = 200;
 
 Reply run_time(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();
-    check_frame(volume, volume.frame);  // Refuses what is no series.
+    check_series(volume, arguments.name);
     if (arguments.words.empty() && !arguments.has("at")) {
         return describe_time(session);
     }
@@ -308,13 +359,15 @@ Reply run_cine(Session& session, const Arguments& arguments) {
         elapsed_ms = ms_since(start_ns);
     });
     files.finish();
-    Reply reply{fmt::format("{} volumes in {:.0f} ms", turn.count(), elapsed_ms),
-                {{"volumes", std::int64_t{turn.count()}},
-                 {"elapsed_ms", elapsed_ms},
-                 {"written", files.written()}}};
+    Reply reply{
+        fmt::format("{} drawn in {:.0f} ms",
+                    counted(static_cast<std::uint64_t>(turn.count()), "volume"), elapsed_ms),
+        {{"volumes", std::int64_t{turn.count()}},
+         {"elapsed_ms", elapsed_ms},
+         {"written", files.written()}}};
     if (!files.has_interrupted()) {
         const double rate = turn.count() * 1000.0 / elapsed_ms;
-        reply.text += fmt::format(", {:.1f} volumes/s", rate);
+        reply.text += fmt::format(", {:.1f}/s", rate);
         reply.fields.push_back({"volumes_per_s", rate});
     }
     files.add_film(reply);

@@ -44,8 +44,7 @@ void check_alike(const Volume& next, int frame, const Volume& now) {
 
 void check_frame(const Volume& volume, int frame) {
     if (volume.frames == 1) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("{} is one volume, no time series", volume.source));
+        throw RequestError(ExitCode::usage, fmt::format("time: {} is one volume", volume.source));
     }
     if (frame < 1 || frame > volume.frames) {
         throw RequestError(ExitCode::usage,

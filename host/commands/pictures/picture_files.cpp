@@ -75,7 +75,8 @@ void PictureFiles::take(int index, const Picture& picture, const Camera& camera)
         pictures_.push_back(picture);
     } else if (!pattern_.empty()) {
         std::string path = pattern_;
-        path.replace(path.find("{}"), 2, fmt::format("{:04}", index));
+        path.replace(path.find("{}"), 2,
+                     fmt::format("{:04}", range_.volumes ? range_.volumes->first + index : index));
         session_.exports.pictures({&picture, 1}, path, picture_extras(session_, camera));
         ++written_;
     }

@@ -38,19 +38,24 @@ std::string simplified_text(const Session& session) {
     return moved_mm > 0 ? fmt::format("simplified within {} mm", bound_text(moved_mm)) : "";
 }
 
-/// "phantom:heart, 14 of 30, 390 ms": the volume's name, and its place in its time series.
-std::string title_of(const Volume& volume, const std::optional<ShownVolumes>& shown) {
+/// "14/30, 390 ms": the volume's place in its time series. Empty without one.
+std::string place_in_series(const Volume& volume, const std::optional<ShownVolumes>& shown) {
     if (shown) {
-        return fmt::format("{}, {} to {} of {}", volume.name, shown->first, shown->last,
-                           volume.frames);
+        return fmt::format("{} to {} of {}", shown->first, shown->last, volume.frames);
     }
     if (volume.frames == 1) {
-        return volume.name;
+        return {};
     }
-    return fmt::format("{}, {} of {}{}", volume.name, volume.frame, volume.frames,
+    return fmt::format("{}/{}{}", volume.frame, volume.frames,
                        volume.frame_ms > 0
-                           ? fmt::format(", {:.6g} ms", volume.frame_ms * (volume.frame - 1))
+                           ? fmt::format(", {} ms", grouped(volume.frame_ms * (volume.frame - 1)))
                            : "");
+}
+
+/// The place comes first: where there is little room, the end is cut off.
+std::string title_of(const Volume& volume, const std::optional<ShownVolumes>& shown) {
+    const std::string place = place_in_series(volume, shown);
+    return place.empty() ? volume.name : place + ": " + volume.name;
 }
 
 Caption caption_of(const Session& session, const std::optional<ShownVolumes>& shown = {}) {

@@ -63,7 +63,7 @@ test('a note in the picture is in files, sessions and saved pictures', async () 
   const note = (await measurements())[1];
   assert.deepEqual([note.kind, note.text], ['note', 'promontory, where the pelvis begins']);
   const csv = String(await saved(page, () => byId('measure-csv').click()));
-  assert.match(csv, /,note,.*"promontory, where the pelvis begins",,,,,\r\n$/);
+  assert.match(csv, /,note,.*"promontory, where the pelvis begins",,,,,,\r\n$/);
   assert.deepEqual((await byId('measure-lines').locator('text').allTextContents()).slice(1),
                    ['promontory, where the', 'pelvis begins']);
   await shoot(page, 'note_picture');

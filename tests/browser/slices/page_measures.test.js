@@ -125,14 +125,14 @@ test('files have every number in full', () => {
   measures.add(PART);
   const csv = csvOf(measures.list, {name: 'a, "b"', unit: 'HU'});
   const [head, first, second, third, note, part, end] = csv.split('\r\n');
-  assert.equal(head.split(',').length, 22);
+  assert.equal(head.split(',').length, 23);
   const name = '"a, ""b"""';
-  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,,,,,,,`);
+  assert.equal(first, `${name},1,distance,12.5,mm,0 0 0; 0 0 12.5,,,,,,,,,,,,,,,,,`);
   assert.equal(second,
-    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,,,,,,,`);
-  assert.ok(third.endsWith('-12,60,HU,7.5,max,,,,,,'), third);
-  assert.equal(note, `${name},4,note,,,1 2 3,,,,,,,,,,,"a ""cyst"", old",,,,,`);
-  assert.equal(part, `${name},5,part,42.5,ml,4 5 6,,,,,,,,,,,,bone,250.5,yes,no,12345`);
+    `${name},2,ellipse,157.08,mm2,0 0 5; 10 20 5,z,4,1234,41.23456,8,-12,60,HU,,,,,,,,,`);
+  assert.ok(third.endsWith('-12,60,HU,7.5,max,,,,,,,'), third);
+  assert.equal(note, `${name},4,note,,,1 2 3,,,,,,,,,,,"a ""cyst"", old",,,,,,`);
+  assert.equal(part, `${name},5,part,42.5,ml,4 5 6,,,,,,,,,,,,bone,250.5,yes,no,12345,`);
   assert.equal(end, '');
   const json = JSON.parse(jsonOf(measures.list, {name: 'a "scan"', unit: 'HU'}));
   assert.equal(json.volume, 'a "scan"');
@@ -144,6 +144,31 @@ test('files have every number in full', () => {
   assert.equal(json.measurements[1].voxel_index, 4);
   assert.ok(!('slab_mm' in json.measurements[1]));
   assert.deepEqual([json.measurements[2].slab_mm, json.measurements[2].slab_kind], [7.5, 'max']);
+});
+
+test('a measurement belongs to the volume of a time series that it was made in', () => {
+  const measures = new Measures();
+  const volume = (frame, frames = 3) => /** @type {any} */ ({frame, frames});
+  const distance = /** @type {any} */ ({kind: 'distance', points_mm: [[0, 0, 0], [0, 0, 2]],
+    value: 2});
+  measures.show(volume(1, 1));
+  measures.add(distance);
+  assert.ok(!('frame' in measures.list[0]), 'a single volume has no number');
+  measures.show(volume(2));
+  measures.add(distance);
+  assert.equal(measures.list[1].frame, 2);
+  assert.deepEqual(measures.seen.map(({name}) => name), ['1', '2']);
+  measures.show(volume(3));
+  assert.deepEqual(measures.seen.map(({name}) => name), ['1']);
+  const [, , second] = csvOf(measures.list, {name: 'a', unit: ''}).split('\r\n');
+  assert.ok(second.endsWith(',2'), second);
+  assert.equal(JSON.parse(jsonOf(measures.list, {name: 'a', unit: ''})).measurements[1].frame, 2);
+  const {list, errors} = checked(JSON.parse(JSON.stringify(measures.list)));
+  assert.deepEqual([list, errors], [measures.list, []]);
+  const wrong = checked([{...measures.list[1], frame: 0}]).errors;
+  assert.match(wrong[0], /frame is 0, but the number of a volume, from 1 is needed/);
+  measures.show(null);
+  assert.deepEqual(measures.seen.map(({name}) => name), ['1']);
 });
 
 test('sessions are restored, also those that had distances alone', () => {

@@ -153,13 +153,23 @@ class Frames(Case):
         self.assertEqual((sorted(kinds[:2]), kinds[2]), ([1, 3], 3))
 
     def test_a_fast_link_gets_no_video(self):
-        viewer = self.join()
-        viewer.send('{"video":true}')
-        for revision in range(1, 6):
-            self.show(viewer, revision)
-            head, _ = self.frame(viewer)
-            self.assertEqual(head["kind"], 1)
-            self.shown(viewer, head["number"])
+        """A busy computer makes the link slow at times: such rounds tell nothing."""
+        for _ in range(40):
+            viewer = self.join()
+            viewer.send('{"video":true}')
+            kinds, times = [], []
+            for revision in range(1, 6):
+                begin = time.monotonic()
+                self.show(viewer, revision)
+                head, _ = self.frame(viewer)
+                kinds.append(head["kind"])
+                self.shown(viewer, head["number"])
+                times.append(time.monotonic() - begin)
+            if max(times) < 0.02:  # 3 kB: 25 such frames a second would fit a JPEG twice as large.
+                self.assertEqual(kinds, [1] * 5)
+                return
+            viewer.close()
+        self.fail("the computer was too busy 40 times")
 
     def test_a_viewer_that_shows_no_frame_gets_two_and_then_the_newest(self):
         viewer = self.join()

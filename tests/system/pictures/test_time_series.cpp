@@ -92,8 +92,10 @@ TEST_CASE("a volume that is shown later is the volume that is loaded by its numb
     CHECK(ward.digest() == loaded_digest(30));
     ward.does("time at=361");
     CHECK(ward.session.volumes.volume().frame == 13);
-    ward.does("time at=10000");
-    CHECK(ward.session.volumes.volume().frame == 30);
+    CHECK_THROWS_WITH_AS(ward.does("time at=900"),
+                         "time: at=900 ms is beyond the last volume of phantom:heart, at 870 ms: "
+                         "give 0 to 870",
+                         RequestError);
 }
 
 TEST_CASE("volumes that were shown are kept until another volume is loaded") {
@@ -177,7 +179,9 @@ TEST_CASE("what is no volume of the series is refused, and changes nothing") {
                          RequestError);
     CHECK(ward.digest() == fourth);
     ward.does("load phantom:sphere");
-    CHECK_THROWS_WITH_AS(ward.does("time 1"), "phantom:sphere is one volume, no time series",
+    CHECK_THROWS_WITH_AS(ward.does("time 1"),
+                         "time: phantom:sphere is one volume; load a file of several volumes, for "
+                         "example phantom:heart",
                          RequestError);
     CHECK_THROWS_WITH_AS(ward.does("load phantom:sphere frame=2"),
                          "phantom:sphere: frame is 2, but the phantom has one volume: load it "

@@ -1,4 +1,5 @@
 // Sentences about a volume that several parts of the page show.
+import {short} from '../elements/numbers.js';
 
 /**
  * The warning on every picture of a volume whose place or spacing is assumed; '' for others.
@@ -9,10 +10,10 @@ export function placeWarning(volume) {
 }
 
 /**
- * Name and place in its time series, as the machine writes it below its pictures.
+ * "14/30, 390 ms: heart": place in the time series and name, as below the machine's pictures.
  * @param {import('../link/vocabulary.js').VolumeState} volume
  */
 export function volumeTitle({name, frame, frames, frame_ms}) {
-  return frames === 1 ? name : `${name}, ${frame} of ${frames}`
-    + `${frame_ms > 0 ? `, ${Number((frame_ms * (frame - 1)).toPrecision(6))} ms` : ''}`;
+  const when = frame_ms > 0 ? `, ${short(frame_ms * (frame - 1), 6)} ms` : '';
+  return frames === 1 ? name : `${frame}/${frames}${when}: ${name}`;
 }

@@ -93,7 +93,8 @@ export class PictureView {
       this.changed_();
     });
     // Frames of another volume must never stand under the new volume's name.
-    let shown = '';  // The series, the volume or the archive.
+    /** @type {string | null} The series, the volume or the archive. */
+    let shown = null;
     store.subscribe(['volume', 'archive'], ({volume, archive, revision}) => {
       const now = volume?.series_identity ?? archive ?? '';
       if (now !== shown) {

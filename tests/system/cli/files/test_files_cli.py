@@ -269,7 +269,6 @@ class Files(unittest.TestCase):
                  for line in (f"time {number}", "digest")]
         self.assertEqual(again, first)
         self.assertEqual(len(set(first)), 8)
-        ask("quit")
         process.stdin.close()
         self.assertEqual(process.wait(LIMIT_S), 0)
         rows = pathlib.Path(self.path("table.csv")).read_text().splitlines()
