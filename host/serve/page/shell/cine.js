@@ -57,6 +57,8 @@ class Cine {
     app.store.subscribe(['volume'], ({volume}) => this.take(volume));
     app.picture.onShown(() => this.waiting_?.());
     document.addEventListener('sliceshown', () => this.waiting_?.());
+    // The state may come after its picture. First all parts take it.
+    app.store.subscribe(['revision'], () => queueMicrotask(() => this.waiting_?.()));
     document.addEventListener('pauseseries', () => this.pause());
     app.modes.watch(mode => mode && this.pause());  // A click means the picture that is seen.
     app.connection.on('lost', () => this.pause());
@@ -209,11 +211,12 @@ class Cine {
       const attempt = () => {
         if (isPictureThere() && (areSlicesThere() || performance.now() >= due)) {
           this.waiting_ = null;
+          clearTimeout(timer);
           go();
         }
       };
       this.waiting_ = attempt;
-      setTimeout(attempt, MOST_LAG_MS);
+      const timer = setTimeout(attempt, MOST_LAG_MS);
       attempt();
     });
   }
