@@ -47,6 +47,7 @@ test('the strip tells volume and time, and shows the volume that is chosen', asy
 test('it plays each volume once, in order, and stops where it ends', async () => {
   await byId('cine-loop').uncheck();
   await byId('cine-rate').selectOption('fast');
+  const before = (await settled(page)).frames;
   await byId('cine-number').evaluate(number => {
     globalThis.told = [];
     new MutationObserver(() => globalThis.told.push(number.textContent))
@@ -57,6 +58,8 @@ test('it plays each volume once, in order, and stops where it ends', async () =>
     document.querySelector('[data-testid=cine-play]').title === 'Play');
   const told = await page.evaluate(() => globalThis.told);
   assert.deepEqual(told, Array.from({ length: FRAMES - 1 }, (_, k) => `${k + 2} / ${FRAMES}`));
+  const { frames } = await settled(page);
+  assert.ok(frames - before >= FRAMES - 1, `${frames - before} pictures`);
   await shows(1, () => byId('undo').click());
 });
 

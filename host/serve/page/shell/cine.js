@@ -26,6 +26,7 @@ class Cine {
     this.playing_ = 0;
     /** @private */ this.presses_ = 0;
     /** @private @type {number[]} When the last volumes were shown. */ this.times_ = [];
+    /** @private  Revision of the newest picture that has come. */ this.arrived_ = 0;
     /** @private @type {(() => void) | null} Tries whether the volume is shown everywhere. */
     this.waiting_ = null;
     const button = (/** @type {import('../elements/icons.js').IconName} */ name,
@@ -56,6 +57,10 @@ class Cine {
       this.when_, this.rate_, h('label', {class: 'small'}, this.loops_, ' loop'));
     app.store.subscribe(['volume'], ({volume}) => this.take(volume));
     app.picture.onShown(() => this.waiting_?.());
+    app.connection.on('frame', ({header}) => {
+      this.arrived_ = header.revision;
+      this.waiting_?.();
+    });
     document.addEventListener('sliceshown', () => this.waiting_?.());
     // The state may come after its picture. First all parts take it.
     app.store.subscribe(['revision'], () => queueMicrotask(() => this.waiting_?.()));
@@ -171,7 +176,7 @@ class Cine {
     this.times_ = [];
     this.look_();
     this.app_.connection.mark();  // One undo leads back to the volume of before.
-    let due = performance.now();
+    let [due, before] = [performance.now(), 0];
     while (this.playing_ === turn) {
       const frames = this.volume_?.frames ?? 1;
       if (this.wanted_ >= frames && !this.loops_.checked && this.times_.length > 0) {
@@ -182,7 +187,8 @@ class Cine {
       if (!ok) {
         break;  // The page shows the error.
       }
-      await this.shown_(revision);
+      await this.shown_(revision, before);
+      before = revision;
       const now = performance.now();
       this.times_ = [...this.times_.filter(each => now - each < RATE_OVER_MS), now];
       due = Math.max(due + this.apart_ms_, now - this.apart_ms_);  // What is lost stays lost.
@@ -194,18 +200,20 @@ class Cine {
   }
 
   /**
-   * Waits until picture and slices show the volume, as far as they are on the screen. Waits for
-   * slices only so long.
+   * Waits until picture and slices of the volume are there, as far as they are on the screen: until
+   * its slices are shown, but only so long, and its picture has come. The picture of the volume
+   * before must be shown, so that none is left out.
    * @private
    * @param {number} revision  Of the state with the volume.
+   * @param {number} before    Of the state with the volume before; 0 for none.
    * @returns {Promise<void>}
    */
-  shown_(revision) {
+  shown_(revision, before) {
     const {picture, lagging, store} = this.app_;
     return new Promise(go => {
       const due = performance.now() + MOST_LAG_MS;
       const isPictureThere = () => picture.stage.hidden ||
-        (picture.header?.revision ?? 0) >= revision;
+        this.arrived_ >= revision && (picture.header?.revision ?? 0) >= before;
       const areSlicesThere = () => (store.state?.revision ?? 0) >= revision &&
         [...lagging].every(isBehind => !isBehind());
       const attempt = () => {
