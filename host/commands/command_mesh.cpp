@@ -117,7 +117,7 @@ struct DrawnCounts {
 
 DrawnCounts counts_of(const DrawnComponents& components) {
     DrawnCounts counts;
-    counts.drawn_ml = components.volume_ml();
+    counts.drawn_ml = components.volume_ml(OpenParts::without_volume);
     const std::vector<MeshComponent>& list = components.parts.components;
     for (const MeshComponent& part : list) {
         const bool is_drawn = components.is_drawn(part);

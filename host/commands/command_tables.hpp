@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "generated/vocabulary.hpp"
 #include "host/commands/commands.hpp"
 
 namespace pxpl5::host {
@@ -16,6 +17,11 @@ inline constexpr std::array<std::string_view, 5> picture_suffixes = {".png", ".t
 /// The values of a switch.
 using Words = std::array<std::string_view, 2>;
 inline constexpr Words on_off = {"on", "off"}, yes_no = {"yes", "no"};
+
+/// The volumes of a time series that a command runs through.
+inline constexpr Parameter first_volume =
+    whole_value("from", "N", 1, max_frames, "first volume", "1");
+inline constexpr Parameter last_volume = whole_value("to", "N", 1, max_frames, "last volume");
 
 std::vector<Command> volume_commands();
 std::vector<Command> series_commands();

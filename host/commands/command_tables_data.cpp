@@ -72,8 +72,6 @@ std::vector<Command> volume_commands() {
 }
 
 std::vector<Command> series_commands() {
-    const Parameter from = whole_value("from", "N", 1, max_frames, "first volume", "1");
-    const Parameter to = whole_value("to", "N", 1, max_frames, "last volume");
     return {
         {{.name = "time",
           .help = "Shows another volume of a time series, with the same surfaces and clip planes; "
@@ -89,7 +87,7 @@ std::vector<Command> series_commands() {
                   "FILE as a table or a chart. The ejection fraction is (largest - least) / "
                   "largest volume.",
           .words = {output_value("FILE", curve_suffixes, "table or chart to write")},
-          .options = {from, to},
+          .options = {first_volume, last_volume},
           .is_long = true,
           .stage = RenderStage::output},
          run_curve},

@@ -97,9 +97,8 @@ std::vector<Command> picture_commands() {
                   "the volume. A .webm or .gif is in real time if the volumes are 17 to 200 ms "
                   "apart, else it has 25 volumes per second.",
           .words = {pattern},
-          .options = {whole_value("from", "N", 1, max_frames, "first volume", "1"),
-                      whole_value("to", "N", 1, max_frames, "last volume"), delay_of_volumes,
-                      rate_of_volumes, size_of_pictures, samples_of_pictures, ground_of_pictures},
+          .options = {first_volume, last_volume, delay_of_volumes, rate_of_volumes,
+                      size_of_pictures, samples_of_pictures, ground_of_pictures},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output},

@@ -160,7 +160,7 @@ Measured measured(Session& session, const Surface& surface) {
         const DrawnComponents drawn = session.meshes.components(surface);
         now.triangles = std::ranges::count(drawn.shown, 1);
         now.area_mm2 = drawn.area_mm2();
-        now.volume_ml = drawn.inside_ml();
+        now.volume_ml = drawn.volume_ml(OpenParts::closed_by_scan);
     }
     return now;
 }

@@ -69,24 +69,11 @@ DrawnComponents drawn_by(const ComponentFilter& filter, const WeldedMesh& mesh,
 
 }  // namespace
 
-std::optional<double> DrawnComponents::volume_ml() const {
+std::optional<double> DrawnComponents::volume_ml(OpenParts open) const {
     double ml = 0;
     for (const MeshComponent& part : parts.components) {
         if (is_drawn(part)) {
-            if (!part.closed) {
-                return std::nullopt;
-            }
-            ml += *part.volume_mm3 / 1000;
-        }
-    }
-    return ml;
-}
-
-std::optional<double> DrawnComponents::inside_ml() const {
-    double ml = 0;
-    for (const MeshComponent& part : parts.components) {
-        if (is_drawn(part)) {
-            if (!part.volume_mm3) {
+            if (!part.volume_mm3 || (!part.closed && open == OpenParts::without_volume)) {
                 return std::nullopt;
             }
             ml += *part.volume_mm3 / 1000;

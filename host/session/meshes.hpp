@@ -24,6 +24,10 @@ struct ChosenComponent {
     std::size_t number = 0;  ///< From 0, the largest.
 };
 
+/// Whether a component that is open only at the faces of the scan has a volume: they close it. One
+/// with holes has none.
+enum class OpenParts : std::uint8_t { without_volume, closed_by_scan };
+
 /// The components of a surface, and which of its triangles are drawn.
 struct DrawnComponents {
     MeshComponents parts;
@@ -32,11 +36,8 @@ struct DrawnComponents {
     bool is_drawn(const MeshComponent& component) const {
         return shown[component.first_triangle] != 0;
     }
-    /// Volume of the drawn components, cavities taken off. Nothing unless all are closed.
-    std::optional<double> volume_ml() const;
-    /// The same, where the faces of the scan close components that are open there alone. Nothing if
-    /// a drawn component has holes.
-    std::optional<double> inside_ml() const;
+    /// Volume of the drawn components, cavities taken off. Nothing if one of them has none.
+    std::optional<double> volume_ml(OpenParts open) const;
     double area_mm2() const;  ///< The area of the drawn components.
 };
 
