@@ -28,8 +28,8 @@ for argument in "$@"; do
     esac
 done
 if $has_tests; then
-    packages+=(chromium libwebm-dev python3-jsonschema python3-yaml clang-format clang-19
-        clang-tidy-19 lld-19 libclang-rt-19-dev llvm-19 gcovr)
+    packages+=(chromium-headless-shell libwebm-dev python3-jsonschema python3-yaml clang-format
+        clang-19 clang-tidy-19 lld-19 libclang-rt-19-dev llvm-19 gcovr)
     # Node may have come from elsewhere than Debian, which then must not be asked for another.
     command -v node >/dev/null || packages+=(nodejs)
     command -v npm >/dev/null || packages+=(npm)
