@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Sets up, builds and tests everything, optimized. Arguments go to ctest, e.g. tests/run.sh -L unit.
 # tests/run.sh --sanitizers runs unit and system tests with address and undefined-behavior
-# sanitizers instead, and prints the coverage.
+# sanitizers instead, and prints the coverage. tests/run.sh --quick leaves out the slow tests.
 set -euo pipefail
 top=$(cd "$(dirname "$0")/.." && pwd)
 
@@ -14,6 +14,12 @@ if [ "${1:-}" = --sanitizers ]; then
     ctest --preset dev -L 'unit|system' -j "$jobs" --output-junit "$top/build/dev/junit.xml"
     python3 -B tests/coverage.py build/dev
 else
+    left_out=bench
+    if [ "${1:-}" = --quick ]; then
+        left_out='bench|slow'
+        shift
+    fi
     "$top/host/build.sh" release
-    ctest --preset release -LE bench -j "$jobs" --output-junit "$top/build/release/junit.xml" "$@"
+    ctest --preset release -LE "$left_out" \
+        -j "$jobs" --output-junit "$top/build/release/junit.xml" "$@"
 fi
