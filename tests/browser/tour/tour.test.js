@@ -64,7 +64,15 @@ async function answered(page, step) {
     const part = name => document.querySelector(`[data-testid=tour-${name}]`);
     return part('count')?.textContent.includes(`step ${step} of`) &&
       part('message').textContent === '' && !part('text').classList.contains('outdated');
-  }, step);
+  }, step).catch(async error => {
+    const found = await page.evaluate(() => {
+      const { state, revision, rests, frames } = globalThis.pxpl5;
+      const message = document.querySelector('[data-testid=tour-message]')?.textContent;
+      return { message, scene: state.revision, busy: state.busy, revision, rests, frames,
+               lines: globalThis.heard.lines };
+    });
+    throw new Error(`step ${step} has no answer: ${JSON.stringify(found)}\n${error.message}`);
+  });
   return page.getByTestId('tour-text').innerText();
 }
 
