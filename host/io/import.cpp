@@ -251,6 +251,9 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
     if (files.slices.empty() && request.read == ReadBy::gps) {
         refuse_gps(source, "pictures are decoded by the io process");
     }
+    if (files.slices.empty()) {
+        refuse_frame(source, request);
+    }
     Volume volume = files.slices.empty() ? read_pictures(source, files.pictures, request)
                                          : import_readable(source, files, request);
     report_left_out(files, volume);
@@ -302,7 +305,6 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     const Format format = format_of(path);
     if (fs::is_directory(path)) {
-        refuse_frame(path.string(), request);
         return import_folder(path, request);
     }
     if (!request.series.empty() && format != Format::dicom) {
@@ -314,7 +316,6 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     switch (format) {
         case Format::dicom:
-            refuse_frame(path.string(), request);
             return import_dicom_file(path, request);
         case Format::pictures:
             refuse_frame(path.string(), request);

@@ -2,11 +2,11 @@
 #include "host/io/dicom/dicom_attributes.hpp"
 #include "host/io/dicom/dicom_elements.hpp"
 #include "host/io/dicom/dicom_file.hpp"
+#include "host/io/dicom/dicom_frame_groups.hpp"
 #include "host/io/dicom/dicom_structure.hpp"
 
 #include <fmt/format.h>
 #include <gdcmReader.h>
-#include <gdcmSequenceOfItems.h>
 #include <gdcmTrace.h>
 
 #include <algorithm>
@@ -25,72 +25,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const gdcm::Tag pixel_data(0x7fe0, 0x0010);
+const gdcm::Tag pixels_tag(0x7fe0, 0x0010);
 constexpr double max_skew_cosine = 1e-2;  // Rows and columns of an image are at right angles.
-
-/// The data sets in which a frame's element may be: the frame's own functional group, the shared
-/// one, the file's.
-class FrameGroups {
-  public:
-    FrameGroups(const gdcm::DataSet& file, int frame) : file_(&file) {
-        add_group(gdcm::Tag(0x5200, 0x9230), static_cast<std::size_t>(frame) + 1);
-        add_group(gdcm::Tag(0x5200, 0x9229), 1);
-    }
-
-    /// The first of: element `tag` in sequence `macro` of the groups, `tag` in the file.
-    std::vector<double> numbers(const std::string& name, gdcm::Tag macro, gdcm::Tag tag) const {
-        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            const auto found = numbers_of(name, group->GetItem(1).GetNestedDataSet(), tag);
-            if (!found.empty()) {
-                return found;
-            }
-        }
-        return numbers_of(name, *file_, tag);
-    }
-
-    /// The same as numbers(), but as text.
-    std::string text(gdcm::Tag macro, gdcm::Tag tag) const {
-        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            std::string found = text_of(group->GetItem(1).GetNestedDataSet(), tag);
-            if (!found.empty()) {
-                return found;
-            }
-        }
-        return text_of(*file_, tag);
-    }
-
-    bool has(gdcm::Tag macro) const { return !groups_of(macro).empty(); }
-
-  private:
-    using Items = gdcm::SmartPointer<gdcm::SequenceOfItems>;
-
-    void add_group(gdcm::Tag tag, std::size_t item) {
-        if (!file_->FindDataElement(tag)) {
-            return;
-        }
-        const Items items = file_->GetDataElement(tag).GetValueAsSQ();
-        if (items != nullptr && items->GetNumberOfItems() >= item) {
-            groups_.push_back({items, item});
-        }
-    }
-
-    std::vector<Items> groups_of(gdcm::Tag macro) const {
-        std::vector<Items> found;
-        for (const auto& [items, item] : groups_) {
-            const gdcm::DataSet& group = items->GetItem(item).GetNestedDataSet();
-            if (group.FindDataElement(macro)) {
-                const Items inner = group.GetDataElement(macro).GetValueAsSQ();
-                if (inner != nullptr && inner->GetNumberOfItems() > 0) {
-                    found.push_back(inner);
-                }
-            }
-        }
-        return found;
-    }
-
-    const gdcm::DataSet* file_;
-    std::vector<std::pair<Items, std::size_t>> groups_;
-};
 
 /// (0028,0030): distance of rows, then of columns. Detectors' spacing serves where no other is.
 void read_spacing(const std::string& file, const gdcm::DataSet& data, const FrameGroups& groups,
@@ -333,7 +269,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
     gdcm::Trace::ErrorOff();
     gdcm::Reader reader;
     reader.SetFileName(file.c_str());
-    if (!reader.ReadUpToTag(pixel_data, {pixel_data})) {  // Values are passed over.
+    if (!reader.ReadUpToTag(pixels_tag, {pixels_tag})) {  // Values are passed over.
         return {};
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
@@ -366,6 +302,7 @@ std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
         read_spacing(file, data, groups, slice);
         read_scale(file, data, groups, slice);
         read_windows(file, groups, text_of(data, gdcm::Tag(0x0008, 0x0005)), slice);
+        slice.times = read_times(data, groups);
         const auto thickness =
             groups.numbers(file, gdcm::Tag(0x0028, 0x9110), gdcm::Tag(0x0018, 0x0050));
         if (!thickness.empty() && thickness[0] > 0) {

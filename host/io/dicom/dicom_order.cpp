@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "host/io/dicom/dicom_series.hpp"
+#include "host/io/values/frames.hpp"
 #include "host/io/values/header_text.hpp"
 
 namespace pxpl5::host::io {
@@ -314,26 +315,36 @@ OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> se
     const auto along = [&](std::size_t i) { return glm::dot(slices[i].origin_mm, normal); };
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return along(a) < along(b); });
-    OrderedSlices ordered;
+    std::vector<std::vector<std::size_t>> places;
+    for (const std::size_t i : order) {
+        if (places.empty() || !(along(i) - along(places.back().front()) < same_position_mm)) {
+            places.emplace_back();
+        }
+        places.back().push_back(i);
+    }
+    for (std::vector<std::size_t>& place : places) {
+        std::ranges::stable_sort(place, {},
+                                 [&](std::size_t i) { return slices[i].instance_number; });
+    }
+    const TimeOrder times = sort_by_time(slices, places);
+    check_frame(source, "series", request.frame, static_cast<std::uint64_t>(times.frames));
+    OrderedSlices ordered{
+        {}, {}, std::max(static_cast<int>(request.frame), 1), times.frames, times.frame_ms};
+    if (times.frames > 1) {
+        findings.push_back(
+            {FindingKind::note, fmt::format("volume {} of {} of a time series: {} tells them apart",
+                                            ordered.frame, times.frames, times.told_by)});
+    }
+    // Without an order in time, the first image of the series counts at each place.
+    const auto taken = static_cast<std::size_t>(ordered.frame - 1);
     std::vector<std::string> copies;
-    for (std::size_t at = 0; at < order.size();) {
-        std::size_t end = at + 1;
-        while (end < order.size() && along(order[end]) - along(order[at]) < same_position_mm) {
-            ++end;
+    for (const std::vector<std::size_t>& place : places) {
+        ordered.slices.push_back(slices[place[taken]]);
+        ordered.along_mm.push_back(along(place[taken]));
+        for (std::size_t copy = 1; copy < place.size() && times.frames == 1; ++copy) {
+            copies.push_back(fmt::format("{} has that of {}", name_of(slices[place[copy]]),
+                                         name_of(slices[place[0]])));
         }
-        // At one position the first image of the series counts.
-        const auto first = order.begin() + static_cast<std::ptrdiff_t>(at);
-        const auto last = order.begin() + static_cast<std::ptrdiff_t>(end);
-        std::stable_sort(first, last, [&](std::size_t a, std::size_t b) {
-            return slices[a].instance_number < slices[b].instance_number;
-        });
-        ordered.slices.push_back(slices[*first]);
-        ordered.along_mm.push_back(along(*first));
-        for (auto copy = first + 1; copy < last; ++copy) {
-            copies.push_back(
-                fmt::format("{} has that of {}", name_of(slices[*copy]), name_of(slices[*first])));
-        }
-        at = end;
     }
     report_duplicates(ordered.slices.size(), copies, findings);
     return ordered;

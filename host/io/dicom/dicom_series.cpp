@@ -208,6 +208,9 @@ OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> sl
     volume.nz = static_cast<int>(ordered.slices.size());
     volume.modality = first.modality;
     volume.series = first.series;
+    volume.frame = ordered.frame;
+    volume.frames = ordered.frames;
+    volume.frame_ms = ordered.frame_ms;
     place_slices(ordered, request, volume);
     report_slices(ordered.slices, volume.findings);
     take_display(ordered.slices, volume);

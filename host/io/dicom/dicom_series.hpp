@@ -24,6 +24,17 @@ struct DicomUptake {
     std::string reason;        ///< Why it is not known.
 };
 
+/// Elements that tell slices of one place apart. Source: DICOM PS3.3, C.7.6.2, C.8.3, C.7.6.16.2.
+struct DicomTimes {
+    std::optional<double> position;        ///< Number in time (0020,0100) or (0020,9128).
+    std::optional<double> trigger_ms;      ///< After the heart's R wave (0018,1060), (0020,9153).
+    std::optional<double> acquisition_ms;  ///< Time of day (0008,0032).
+    std::optional<double> acquisition;     ///< Number (0020,0012).
+    /// Type of image, echo time and diffusion weight: slices that differ in these differ in more
+    /// than their time.
+    std::string kind;
+};
+
 /// One slice: a file, or one frame of it.
 struct DicomSlice {
     std::filesystem::path path;
@@ -50,6 +61,7 @@ struct DicomSlice {
     std::uint64_t pixel_offset_bytes = 0;  ///< Position of the values in the file; 0 if unknown.
     /// Position of values that are little endian and neither compressed nor deflated.
     std::optional<std::uint64_t> raw_offset_bytes;
+    DicomTimes times;
     FileFacts facts;        ///< Before the header was read.
     bool is_lossy = false;  ///< JPEG and the like.
 
@@ -122,10 +134,27 @@ StoredVolume stored_volume_of(const std::vector<DicomSlice>& slices);
 struct OrderedSlices {
     std::vector<DicomSlice> slices;
     std::vector<double> along_mm;  ///< Ascending.
+    int frame = 1, frames = 1;     ///< Number in its time series, from 1, and how many there are.
+    double frame_ms = 0;           ///< From one volume of the series to the next; 0 if unknown.
 };
 
+/// How the slices of one place follow each other in time.
+struct TimeOrder {
+    int frames = 1;       ///< 1: they do not.
+    double frame_ms = 0;  ///< From one volume to the next; 0 if unknown or uneven.
+    std::string told_by;  ///< "Trigger Time (0018,1060)".
+};
+
+/// Sorts the slices of each place by time if there are as many at each, and an element tells them
+/// apart everywhere. Otherwise leaves them as they are.
+///
+/// places  Indices into `slices`, for each place in the patient.
+TimeOrder sort_by_time(const std::vector<DicomSlice>& slices,
+                       std::vector<std::vector<std::size_t>>& places);
+
 /// Returns the largest set of one size and orientation of a series, by position, each position
-/// once.
+/// once: of a time series, those of the volume that is asked for.
+/// Throws   ImportError for a volume that the series does not have.
 OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> series,
                            const ImportRequest& request, std::vector<Finding>& findings);
 

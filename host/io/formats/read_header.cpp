@@ -30,8 +30,8 @@ StoredHeader read_stored_header(const std::filesystem::path& path, Format format
 void refuse_frame(const std::string& source, const ImportRequest& request) {
     if (request.frame > 1) {
         throw ImportError(
-            fmt::format("{}: frame is {}, but only NIfTI, NRRD, MetaImage and MGH files hold time "
-                        "series that are read",
+            fmt::format("{}: frame is {}, but only DICOM, NIfTI, NRRD, MetaImage and MGH files "
+                        "hold time series that are read",
                         source, request.frame));
     }
 }

@@ -9,6 +9,7 @@
 #include "generated/vocabulary.hpp"
 #include "host/base/part_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
+#include "host/io/values/frames.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
 #include "isa/nearest.hpp"
@@ -145,24 +146,13 @@ void take_frames(const std::string& file, std::uint32_t frame, FourthAxis axis,
     if (!is_series) {
         volume_dims(file, header.sizes);
     }
-    if (frame > frames) {
-        throw ImportError(
-            frames == 1 ? fmt::format("{}: frame is {}, but the file has one volume: load it "
-                                      "without frame=",
-                                      file, frame)
-                        : fmt::format("{}: frame is {}, but the file has {} volumes: give frame=1 "
-                                      "to {}",
-                                      file, frame, frames, frames));
-    }
+    // The bytes of too many could not be counted.
+    check_frame(file, "file", frame, frames);
     if (!is_series) {
         return;
     }
     header.sizes.resize(3);
     volume_dims(file, header.sizes);
-    if (frames > std::uint64_t{max_frames}) {  // The bytes of all could not be counted.
-        throw ImportError(
-            fmt::format("{}: has {} volumes, must be at most {}", file, frames, max_frames));
-    }
     if (frame == 0 && axis == FourthAxis::unknown) {
         throw ImportError(
             fmt::format("{}: has 4 axes ({}). If it is a time series, select a volume with "

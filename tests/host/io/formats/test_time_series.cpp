@@ -280,8 +280,8 @@ TEST_SUITE("host/io/time series") {
         CHECK(refusal(folder.write("one.nii", nifti1_file(one)), 2) ==
               "frame is 2, but the file has one volume: load it without frame=");
         CHECK(refusal(folder.write("v.vtk", vtk_file(one)), 2) ==
-              "frame is 2, but only NIfTI, NRRD, MetaImage and MGH files hold time series "
-              "that are read");
+              "frame is 2, but only DICOM, NIfTI, NRRD, MetaImage and MGH files hold time "
+              "series that are read");
         CHECK(refusal("phantom:sphere", 2) ==
               "frame is 2, but the phantom has one volume: load it without frame=");
         CHECK(refusal("phantom:heart", 31) ==

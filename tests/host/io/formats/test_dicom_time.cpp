@@ -1,0 +1,267 @@
+// Time series of DICOM: slices of one place that follow each other in time.
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <functional>
+
+#include "host/io/import.hpp"
+#include "tests/host/io/dicom_files.hpp"
+
+using namespace pxpl5;
+using namespace pxpl5::host;
+using namespace pxpl5::host::io;
+using namespace pxpl5::test;
+
+namespace {
+
+constexpr int frames = 3, places = 2, voxels = 4;  // Slices of 2x2 voxels.
+
+/// A slice that holds 100 x the volume's number + its place.
+DicomSet slice(int frame, int place) {
+    const auto value = static_cast<std::int16_t>(100 * frame + place);
+    DicomSet set = dicom_image(2, 2, bytes_of(std::vector<std::int16_t>(voxels, value)));
+    return dicom_place(set, {0, 0, 5.0 * place}, {1, 0, 0}, {0, 1, 0}, 1, 1);
+}
+
+/// Adds to slice `place` of volume `frame`, from 0 and 1, what tells its time.
+using TellTime = std::function<void(DicomSet&, int frame, int place)>;
+
+/// A folder with the slices of a series, whose names and instance numbers say nothing about time.
+void write_series(const TemporaryFolder& folder, const TellTime& tell) {
+    for (int frame = 1; frame <= frames; ++frame) {
+        for (int place = 0; place < places; ++place) {
+            DicomSet set = slice(frame, place);
+            const int number = 7 * (frame * places + place) % 13;
+            set.text(0x20, 0x13, "IS", std::to_string(number));
+            tell(set, frame, place);
+            folder.write("IM" + std::to_string(number), set.file());
+        }
+    }
+}
+
+Volume read(const std::string& path, std::uint32_t frame, ReadBy by = ReadBy::host) {
+    ImportRequest request;
+    request.path = path;
+    request.frame = frame;
+    request.read = by;
+    return import_volume(request);
+}
+
+std::vector<int> values_of(const Volume& volume) {
+    std::vector<std::int16_t> values(volume.values.size() / 2);
+    std::memcpy(values.data(), volume.values.data(), volume.values.size());
+    return {values.begin(), values.end()};
+}
+
+std::vector<int> expected(int frame) {
+    std::vector<int> values(voxels, 100 * frame);
+    values.insert(values.end(), voxels, 100 * frame + 1);
+    return values;
+}
+
+bool reports(const Volume& volume, FindingKind kind, const std::string& words) {
+    return std::ranges::any_of(volume.findings, [&](const Finding& finding) {
+        return finding.kind == kind && finding.text.find(words) != std::string::npos;
+    });
+}
+
+/// Each volume of the series in order, and nothing reported as a copy.
+void check_series(const std::string& path, const std::string& told_by, double frame_ms) {
+    CHECK(values_of(read(path, 0)) == expected(1));
+    for (int frame = 1; frame <= frames; ++frame) {
+        CAPTURE(frame);
+        const Volume volume = read(path, static_cast<std::uint32_t>(frame));
+        CHECK(values_of(volume) == expected(frame));
+        CHECK(volume.frame == frame);
+        CHECK(volume.frames == frames);
+        CHECK(volume.frame_ms == doctest::Approx(frame_ms));
+        CHECK(volume.voxel_to_patient[2] == glm::dvec4(0, 0, 5, 0));
+        CHECK(reports(volume, FindingKind::note,
+                      "volume " + std::to_string(frame) + " of 3 of a time series: " + told_by +
+                          " tells them apart"));
+        CHECK(!reports(volume, FindingKind::duplicate_slices, ""));
+    }
+    CHECK_THROWS_WITH_AS(
+        read(path, 4),
+        (path + ": frame is 4, but the series has 3 volumes: give frame=1 to 3").c_str(),
+        ImportError);
+}
+
+/// One volume: at each place that of the lowest instance number, and the others are named.
+void check_copies(const TellTime& tell) {
+    const TemporaryFolder folder;
+    write_series(folder, tell);
+    const Volume volume = read(folder.file(""), 0);
+    CHECK(volume.frames == 1);
+    CHECK(reports(volume, FindingKind::duplicate_slices, "have the position of another"));
+    CHECK_THROWS_WITH_AS(read(folder.file(""), 2),
+                         (folder.file("") + ": frame is 2, but the series has one volume: load it "
+                                            "without frame=")
+                             .c_str(),
+                         ImportError);
+}
+
+void check_told(const std::string& told_by, double frame_ms, const TellTime& tell) {
+    CAPTURE(told_by);
+    const TemporaryFolder folder;
+    write_series(folder, tell);
+    check_series(folder.file(""), told_by, frame_ms);
+}
+
+void trigger(DicomSet& set, double ms) {
+    set.text(0x18, 0x1060, "DS", dicom_numbers({ms}));
+}
+
+/// A file with all slices as frames, the last volume first.
+DicomSet enhanced(const std::function<DicomSet(int frame)>& content) {
+    std::vector<DicomSet> groups;
+    std::string values;
+    for (int frame = frames; frame >= 1; --frame) {
+        for (int place = 0; place < places; ++place) {
+            values += bytes_of(
+                std::vector<std::int16_t>(voxels, static_cast<std::int16_t>(100 * frame + place)));
+            DicomSet position, group = content(frame);
+            position.text(0x20, 0x32, "DS", dicom_numbers({0, 0, 5.0 * place}));
+            groups.push_back(group.sequence(0x20, 0x9113, {position}));
+        }
+    }
+    DicomSet orientation, measures, shared;
+    orientation.text(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0");
+    measures.text(0x28, 0x30, "DS", "1\\1");
+    shared.sequence(0x20, 0x9116, {orientation}).sequence(0x28, 0x9110, {measures});
+    DicomSet set = dicom_image(2, 2, values);
+    set.text(0x28, 8, "IS", std::to_string(groups.size()));
+    return set.sequence(0x5200, 0x9229, {shared}).sequence(0x5200, 0x9230, groups);
+}
+
+}  // namespace
+
+TEST_SUITE("host/io/dicom_time") {
+    TEST_CASE("each element of time puts the slices of a place in order") {
+        check_told("Temporal Position (0020,0100)", 0, [](DicomSet& set, int frame, int) {
+            set.text(0x20, 0x100, "IS", std::to_string(frame));
+        });
+        check_told("Trigger Time (0018,1060)", 33.5,
+                   [](DicomSet& set, int frame, int) { trigger(set, 12 + 33.5 * frame); });
+        check_told("Acquisition Time (0008,0032)", 1500, [](DicomSet& set, int frame, int) {
+            constexpr std::array times = {"095958.5", "100000", "100001.500000"};
+            set.text(8, 0x32, "TM", times[static_cast<std::size_t>(frame - 1)]);
+        });
+        check_told("Acquisition Time (0008,0032)", 2000, [](DicomSet& set, int frame, int) {
+            set.text(8, 0x32, "TM", "23:01:0" + std::to_string(2 * frame));
+        });
+        check_told("Acquisition Number (0020,0012)", 0, [](DicomSet& set, int frame, int) {
+            set.text(0x20, 0x12, "IS", std::to_string(10 * frame));
+        });
+    }
+
+    TEST_CASE("a number in time counts more than a clock, which still tells the step") {
+        check_told("Temporal Position (0020,0100)", 40, [](DicomSet& set, int frame, int) {
+            trigger(set, 40 * frame);
+            set.text(0x20, 0x100, "IS", std::to_string(frame));
+        });
+    }
+
+    TEST_CASE("slices of a volume need not have the same time, as one is acquired after another") {
+        check_told("Trigger Time (0018,1060)", 30, [](DicomSet& set, int frame, int place) {
+            trigger(set, 30 * frame + 100 * place);
+        });
+    }
+
+    TEST_CASE("uneven times tell an order and no step") {
+        check_told("Trigger Time (0018,1060)", 0,
+                   [](DicomSet& set, int frame, int) { trigger(set, 10 * frame * frame); });
+    }
+
+    TEST_CASE("times that make no sense count as absent, and the next element is taken") {
+        check_told("Acquisition Number (0020,0012)", 0, [](DicomSet& set, int frame, int) {
+            set.text(0x18, 0x1060, "DS", "soon").text(0x20, 0x100, "IS", "1\\2");
+            set.text(8, 0x32, "TM", "99999" + std::to_string(frame));
+            set.text(0x20, 0x12, "IS", std::to_string(frame));
+        });
+    }
+
+    TEST_CASE("slices that differ in more than time are copies, as are those of the same time") {
+        check_copies([](DicomSet& set, int frame, int) {
+            trigger(set, 30 * frame);
+            set.text(0x18, 0x81, "DS", std::to_string(5 * frame));  // Echoes.
+        });
+        check_copies([](DicomSet& set, int frame, int) {
+            trigger(set, 30 * frame);
+            set.text(8, 8, "CS", frame == 2 ? "ORIGINAL\\PRIMARY\\P" : "ORIGINAL\\PRIMARY\\M");
+        });
+        check_copies([](DicomSet& set, int frame, int) { trigger(set, frame == 1 ? 10 : 20); });
+        check_copies([](DicomSet& set, int frame, int place) {  // One place has fewer.
+            trigger(set, 30 * frame);
+            if (frame == 3 && place == 1) {
+                dicom_place(set, {0, 0, 10}, {1, 0, 0}, {0, 1, 0}, 1, 1);
+            }
+        });
+        check_copies([](DicomSet& set, int frame, int place) {
+            if (frame != 2 || place != 1) {
+                trigger(set, 30 * frame);
+            }
+        });
+    }
+
+    TEST_CASE("frames of an enhanced file are told apart by their groups' elements") {
+        const TemporaryFolder folder;
+        const DicomSet by_index = enhanced([](int frame) {
+            DicomSet content, group;
+            content.put(0x20, 0x9128, "UL", bytes_of(static_cast<std::uint32_t>(frame)));
+            return group.sequence(0x20, 0x9111, {content});
+        });
+        check_series(folder.write("index.dcm", by_index.file()), "Temporal Position (0020,0100)",
+                     0);
+        const DicomSet by_heart = enhanced([](int frame) {
+            DicomSet heart, group;
+            heart.put(0x20, 0x9153, "FD", bytes_of(25.0 * frame));
+            return group.sequence(0x18, 0x9118, {heart});
+        });
+        check_series(folder.write("heart.dcm", by_heart.file()), "Trigger Time (0018,1060)", 25);
+        const DicomSet by_clock = enhanced([](int frame) {
+            DicomSet content, group;
+            content.text(0x18, 0x9074, "DT", "2026112810000" + std::to_string(frame) + ".5");
+            return group.sequence(0x20, 0x9111, {content});
+        });
+        check_series(folder.write("clock.dcm", by_clock.file()), "Acquisition Time (0008,0032)",
+                     1000);
+        const DicomSet too_short = enhanced([](int frame) {
+            DicomSet content, group;
+            content.put(0x20, 0x9128, "UL", bytes_of(static_cast<std::uint16_t>(frame)));
+            return group.sequence(0x20, 0x9111, {content});
+        });
+        CHECK(read(folder.write("short.dcm", too_short.file()), 0).frames == 1);
+    }
+
+    TEST_CASE("mosaics, one file a volume, are a time series") {
+        const TemporaryFolder folder;
+        for (int frame = 1; frame <= frames; ++frame) {
+            folder.write("M" + std::to_string(9 - frame),
+                         mosaic()
+                             .text(0x20, 0x12, "IS", std::to_string(frame))
+                             .text(8, 0x32, "TM", "10000" + std::to_string(2 * frame))
+                             .text(0x28, 0x1053, "DS", std::to_string(frame))
+                             .text(0x28, 0x1052, "DS", "0")
+                             .file());
+        }
+        for (int frame = 1; frame <= frames; ++frame) {
+            const Volume volume = read(folder.file(""), static_cast<std::uint32_t>(frame));
+            CHECK(volume.nz == 3);
+            CHECK(volume.frames == frames);
+            CHECK(volume.frame_ms == doctest::Approx(2000));
+            CHECK(values_of(volume).back() == 25 * frame);
+        }
+    }
+
+    TEST_CASE("GPs read the same volume of the series as the host") {
+        const TemporaryFolder folder;
+        write_series(folder, [](DicomSet& set, int frame, int) { trigger(set, 30 * frame); });
+        const Volume volume = read(folder.file(""), 2, ReadBy::gps);
+        REQUIRE(volume.stored);
+        CHECK(volume.frame == 2);
+        CHECK(volume.minimum == 200);
+        CHECK(volume.maximum == 201);
+    }
+}
