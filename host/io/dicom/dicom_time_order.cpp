@@ -9,6 +9,7 @@ namespace pxpl5::host::io {
 
 namespace {
 
+constexpr double per_ms = 1000;      // Steps are rounded to microseconds, as sums are not exact.
 constexpr double most_uneven = 0.1;  // Share of the mean step: a heart's beats differ a little.
 
 using Places = std::vector<std::vector<std::size_t>>;
@@ -69,7 +70,7 @@ double step_ms(const std::vector<DicomSlice>& slices, const Places& places, Time
             return 0;
         }
     }
-    return mean <= max_frame_ms ? mean : 0;
+    return mean <= max_frame_ms ? std::round(mean * per_ms) / per_ms : 0;
 }
 
 }  // namespace
