@@ -185,7 +185,7 @@ FolderFiles look_through(const fs::path& folder, const AllowedFolders& allowed) 
     return found;
 }
 
-/// The folder's slices without files whose pixels cannot be decoded, which are left out.
+/// The folder's slices without files that cannot be decoded; later volumes may not lack one.
 Volume import_readable(const std::string& source, FolderFiles& files,
                        const ImportRequest& request) {
     constexpr std::size_t max_unreadable = 16;  // Each makes the others be decoded again.
@@ -200,7 +200,7 @@ Volume import_readable(const std::string& source, FolderFiles& files,
             const bool others_stay =
                 std::any_of(files.slices.begin(), files.slices.end(),
                             [&](const DicomSlice& slice) { return slice.series == series; });
-            if (unreadable == max_unreadable || !others_stay) {
+            if (unreadable == max_unreadable || !others_stay || request.frame > 1) {
                 throw;
             }
             files.left_out.push_back({FindingKind::missing_slices, error.what()});

@@ -45,18 +45,27 @@ class FrameGroups {
         return text_of(*file_, tag);
     }
 
-    /// A binary number (UL or FD) of the groups. No value if it is absent or of another size.
-    template <typename T>
-    std::optional<T> binary(gdcm::Tag macro, gdcm::Tag tag) const {
+    /// The bytes of an element, found as by numbers().
+    std::string bytes(gdcm::Tag macro, gdcm::Tag tag) const {
         for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            const std::string bytes = bytes_of(group->GetItem(1).GetNestedDataSet(), tag);
-            T value{};
-            if (bytes.size() == sizeof value) {
-                std::memcpy(&value, bytes.data(), sizeof value);
-                return value;
+            std::string found = bytes_of(group->GetItem(1).GetNestedDataSet(), tag);
+            if (!found.empty()) {
+                return found;
             }
         }
-        return std::nullopt;
+        return bytes_of(*file_, tag);
+    }
+
+    /// A binary number (US, UL or FD). No value if it is absent or of another size.
+    template <typename T>
+    std::optional<T> binary(gdcm::Tag macro, gdcm::Tag tag) const {
+        const std::string found = bytes(macro, tag);
+        T value{};
+        if (found.size() != sizeof value) {
+            return std::nullopt;
+        }
+        std::memcpy(&value, found.data(), sizeof value);
+        return value;
     }
 
     bool has(gdcm::Tag macro) const { return !groups_of(macro).empty(); }

@@ -80,7 +80,7 @@ void refuse_time_series(const std::string& file, const gdcm::DataSet& data,
                          : std::find(tags.begin(), tags.end(), element.tag) != tags.end()) {
             throw NoSlices(fmt::format(
                 "{}: its {} frames are a time series, since {} tells them apart: they are no "
-                "slices, and a series in one file is not read",
+                "slices, and frames without positions are not read as a time series",
                 file, slices.size(), element.name));
         }
     }

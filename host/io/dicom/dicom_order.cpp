@@ -135,7 +135,7 @@ std::string named(const std::vector<std::string>& names) {
 }
 
 void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
-                       std::vector<Finding>& findings) {
+                       const TimeOrder& times, std::vector<Finding>& findings) {
     if (copies.empty()) {
         return;
     }
@@ -143,11 +143,28 @@ void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
     findings.push_back(
         {FindingKind::duplicate_slices,
          fmt::format("{} slices have the position of another and are left out{}: {}", copies.size(),
-                     is_series_of_volumes ? fmt::format(" (each position is there {} times, as in "
-                                                        "a series of times or echoes)",
-                                                        copies.size() / kept + 1)
-                                          : "",
+                     is_series_of_volumes
+                         ? fmt::format(" (each position is there {} times, but this is no time "
+                                       "series: {})",
+                                       copies.size() / kept + 1, times.why_not)
+                         : "",
                      named(copies))});
+}
+
+void report_times(const OrderedSlices& ordered, const TimeOrder& times,
+                  std::vector<Finding>& findings) {
+    if (times.frames == 1) {
+        return;
+    }
+    findings.push_back(
+        {FindingKind::note, fmt::format("volume {} of {} of a time series: {} tells them apart",
+                                        ordered.frame, times.frames, times.told_by)});
+    if (times.left_out > 0) {
+        findings.push_back({FindingKind::missing_slices,
+                            fmt::format("{} slices are left out, as slices of their volumes of the "
+                                        "time series are missing",
+                                        times.left_out)});
+    }
 }
 
 double median_of(std::vector<double> values) {
@@ -327,26 +344,25 @@ OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> se
                                  [&](std::size_t i) { return slices[i].instance_number; });
     }
     const TimeOrder times = sort_by_time(slices, places);
-    check_frame(source, "series", request.frame, static_cast<std::uint64_t>(times.frames));
+    check_frame(source, "series", request.frame, static_cast<std::uint64_t>(times.frames),
+                times.why_not);
     OrderedSlices ordered{
         {}, {}, std::max(static_cast<int>(request.frame), 1), times.frames, times.frame_ms};
-    if (times.frames > 1) {
-        findings.push_back(
-            {FindingKind::note, fmt::format("volume {} of {} of a time series: {} tells them apart",
-                                            ordered.frame, times.frames, times.told_by)});
-    }
+    report_times(ordered, times, findings);
     // Without an order in time, the first image of the series counts at each place.
     const auto taken = static_cast<std::size_t>(ordered.frame - 1);
     std::vector<std::string> copies;
     for (const std::vector<std::size_t>& place : places) {
+        // All volumes of a time series have the places of the first.
         ordered.slices.push_back(slices[place[taken]]);
-        ordered.along_mm.push_back(along(place[taken]));
+        ordered.slices.back().origin_mm = slices[place[0]].origin_mm;
+        ordered.along_mm.push_back(along(place[0]));
         for (std::size_t copy = 1; copy < place.size() && times.frames == 1; ++copy) {
             copies.push_back(fmt::format("{} has that of {}", name_of(slices[place[copy]]),
                                          name_of(slices[place[0]])));
         }
     }
-    report_duplicates(ordered.slices.size(), copies, findings);
+    report_duplicates(ordered.slices.size(), copies, times, findings);
     return ordered;
 }
 

@@ -28,10 +28,10 @@ struct DicomUptake {
 struct DicomTimes {
     std::optional<double> position;        ///< Number in time (0020,0100) or (0020,9128).
     std::optional<double> trigger_ms;      ///< After the heart's R wave (0018,1060), (0020,9153).
-    std::optional<double> acquisition_ms;  ///< Time of day (0008,0032).
+    std::optional<double> acquisition_ms;  ///< Since 1970, or midnight if no date is stated.
     std::optional<double> acquisition;     ///< Number (0020,0012).
-    /// Type of image, echo time and diffusion weight: slices that differ in these differ in more
-    /// than their time.
+    /// Type of image, sequence, echo and inversion time, diffusion: slices that differ in these
+    /// differ in more than their time.
     std::string kind;
 };
 
@@ -140,13 +140,16 @@ struct OrderedSlices {
 
 /// How the slices of one place follow each other in time.
 struct TimeOrder {
-    int frames = 1;       ///< 1: they do not.
-    double frame_ms = 0;  ///< From one volume to the next; 0 if unknown or uneven.
-    std::string told_by;  ///< "Trigger Time (0018,1060)".
+    int frames = 1;            ///< 1: they do not.
+    double frame_ms = 0;       ///< From one volume to the next; 0 if unknown or uneven.
+    std::string told_by;       ///< "Trigger Time".
+    std::string why_not;       ///< Why slices of one place are no time series; else empty.
+    std::size_t left_out = 0;  ///< Slices of volumes that are not whole.
 };
 
 /// Sorts the slices of each place by time if there are as many at each, and an element tells them
-/// apart everywhere. Otherwise leaves them as they are.
+/// apart everywhere. Otherwise leaves them as they are. Of numbers in time (Temporal Position),
+/// those that are not there at each place are left out.
 ///
 /// places  Indices into `slices`, for each place in the patient.
 TimeOrder sort_by_time(const std::vector<DicomSlice>& slices,

@@ -16,7 +16,8 @@ namespace pxpl5::host::io {
 /// holder  What has the volumes: "file", "series".
 /// frame   Volume that is asked for, from 1; 0: none in particular.
 /// frames  Volumes of the series; 1: there is no series.
+/// why_one  Why there is no series, if that is not clear.
 void check_frame(const std::string& source, std::string_view holder, std::uint32_t frame,
-                 std::uint64_t frames);
+                 std::uint64_t frames, const std::string& why_one = "");
 
 }  // namespace pxpl5::host::io
