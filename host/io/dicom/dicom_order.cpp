@@ -139,7 +139,7 @@ void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
     if (copies.empty()) {
         return;
     }
-    const bool is_series_of_volumes = copies.size() % kept == 0 && kept > 1;
+    const bool is_series_of_volumes = times.is_even && copies.size() % kept == 0 && kept > 1;
     findings.push_back(
         {FindingKind::duplicate_slices,
          fmt::format("{} slices have the position of another and are left out{}: {}", copies.size(),
@@ -149,22 +149,6 @@ void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
                                        copies.size() / kept + 1, times.why_not)
                          : "",
                      named(copies))});
-}
-
-void report_times(const OrderedSlices& ordered, const TimeOrder& times,
-                  std::vector<Finding>& findings) {
-    if (times.frames == 1) {
-        return;
-    }
-    findings.push_back(
-        {FindingKind::note, fmt::format("volume {} of {} of a time series: {} tells them apart",
-                                        ordered.frame, times.frames, times.told_by)});
-    if (times.left_out > 0) {
-        findings.push_back({FindingKind::missing_slices,
-                            fmt::format("{} slices are left out, as slices of their volumes of the "
-                                        "time series are missing",
-                                        times.left_out)});
-    }
 }
 
 double median_of(std::vector<double> values) {
@@ -348,7 +332,7 @@ OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> se
                 times.why_not);
     OrderedSlices ordered{
         {}, {}, std::max(static_cast<int>(request.frame), 1), times.frames, times.frame_ms};
-    report_times(ordered, times, findings);
+    report_times(times, ordered.frame, findings);
     // Without an order in time, the first image of the series counts at each place.
     const auto taken = static_cast<std::size_t>(ordered.frame - 1);
     std::vector<std::string> copies;

@@ -142,18 +142,23 @@ struct OrderedSlices {
 struct TimeOrder {
     int frames = 1;            ///< 1: they do not.
     double frame_ms = 0;       ///< From one volume to the next; 0 if unknown or uneven.
+    std::string uneven;        ///< "40 to 80 ms" if the steps differ.
     std::string told_by;       ///< "Trigger Time".
     std::string why_not;       ///< Why slices of one place are no time series; else empty.
     std::size_t left_out = 0;  ///< Slices of volumes that are not whole.
+    bool is_even = true;       ///< Before that, each place had as many.
 };
 
 /// Sorts the slices of each place by time if there are as many at each, and an element tells them
-/// apart everywhere. Otherwise leaves them as they are. Of numbers in time (Temporal Position),
-/// those that are not there at each place are left out.
+/// apart everywhere. Otherwise leaves them as they are. Slices of volumes that lack others are left
+/// out, if the times of the volumes tell.
 ///
 /// places  Indices into `slices`, for each place in the patient.
 TimeOrder sort_by_time(const std::vector<DicomSlice>& slices,
                        std::vector<std::vector<std::size_t>>& places);
+
+/// Says which volume of a time series is taken, from 1, and what was left out; else nothing.
+void report_times(const TimeOrder& times, int frame, std::vector<Finding>& findings);
 
 /// Returns the largest set of one size and orientation of a series, by position, each position
 /// once: of a time series, those of the volume that is asked for.

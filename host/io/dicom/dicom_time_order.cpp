@@ -1,8 +1,11 @@
 // The slices of one place in the order of time.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numeric>
 #include <set>
 
 #include "host/io/dicom/dicom_series.hpp"
@@ -53,6 +56,12 @@ class Order {
         return differ;
     }
 
+    bool has_as_many_everywhere() const {
+        return std::ranges::all_of(places_, [&](const std::vector<std::size_t>& place) {
+            return place.size() == places_.front().size();
+        });
+    }
+
     /// Why the slices of a place cannot differ in time alone; empty if they can.
     std::string why_not() const {
         for (const std::vector<std::size_t>& place : places_) {
@@ -65,63 +74,71 @@ class Order {
                     return "slices of one place are shifted sideways";
                 }
             }
-            if (place.size() != places_.front().size()) {
-                return "not all places have as many slices";
-            }
+        }
+        if (!has_as_many_everywhere()) {
+            return "not all places have as many slices";
         }
         return "";
     }
 
-    /// Leaves out slices whose number in time is not there at each place. Returns how many.
-    std::size_t keep_whole_volumes() {
-        std::set<double> whole = positions_at(places_.front());
+    /// Leaves out slices whose time is not there at each place, unless these are most. Returns how
+    /// many.
+    std::size_t keep_whole_volumes(Time time) {
+        std::set<double> whole = times_at(places_.front(), time);
+        std::size_t most = 0;
         for (const std::vector<std::size_t>& place : places_) {
-            const std::set<double> here = positions_at(place);
-            std::erase_if(whole, [&](double number) { return !here.contains(number); });
+            const std::set<double> here = times_at(place, time);
+            std::erase_if(whole, [&](double value) { return !here.contains(value); });
+            most = std::max(most, place.size());
         }
         std::size_t left_out = 0;
         for (std::vector<std::size_t>& place : places_) {
-            if (!whole.empty()) {
-                left_out += std::erase_if(place, [&](std::size_t i) {
-                    return !whole.contains(*slice(i).times.position);
-                });
+            if (whole.size() >= 2 && 2 * whole.size() >= most) {
+                left_out += std::erase_if(
+                    place, [&](std::size_t i) { return !whole.contains(*(slice(i).times.*time)); });
             }
         }
         return left_out;
     }
 
-    /// Time from one volume to the next; 0 if the steps differ, or an order is not that of the
-    /// clock. A volume's time is the mean of its slices'.
+    /// Times from each volume to the next. A volume's time is the mean of its slices'.
+    std::vector<double> steps_ms(Time clock) const {
+        std::vector<double> steps(places_.front().size() - 1);
+        for (const std::vector<std::size_t>& place : places_) {
+            for (std::size_t k = 0; k < steps.size(); ++k) {
+                const double step =
+                    *(slice(place[k + 1]).times.*clock) - *(slice(place[k]).times.*clock);
+                steps[k] += step / static_cast<double>(places_.size());
+            }
+        }
+        for (double& step : steps) {
+            step = std::round(step * per_ms) / per_ms;
+        }
+        return steps;
+    }
+
+    /// Time from one volume to the next; 0 if the steps differ, or the clock tells another order.
     double step_ms(Time clock) const {
         if (!has(clock)) {
             return 0;
         }
-        const double begin = *(slice(places_.front().front()).times.*clock);
-        std::vector<double> times(places_.front().size());
-        for (const std::vector<std::size_t>& place : places_) {
-            for (std::size_t k = 0; k < times.size(); ++k) {
-                times[k] +=
-                    (*(slice(place[k]).times.*clock) - begin) / static_cast<double>(places_.size());
-            }
-        }
-        const double mean = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-        for (std::size_t k = 1; k < times.size(); ++k) {
-            if (!(std::abs(times[k] - times[k - 1] - mean) <= most_uneven * mean)) {
-                return 0;
-            }
-        }
-        return mean <= max_frame_ms ? std::round(mean * per_ms) / per_ms : 0;
+        const std::vector<double> steps = steps_ms(clock);
+        const double mean =
+            std::accumulate(steps.begin(), steps.end(), 0.0) / static_cast<double>(steps.size());
+        const bool is_even = std::ranges::all_of(
+            steps, [&](double step) { return std::abs(step - mean) <= most_uneven * mean; });
+        return is_even && mean <= max_frame_ms ? std::round(mean * per_ms) / per_ms : 0;
     }
 
   private:
     const DicomSlice& slice(std::size_t i) const { return (*slices_)[i]; }
 
-    std::set<double> positions_at(const std::vector<std::size_t>& place) const {
-        std::set<double> numbers;
+    std::set<double> times_at(const std::vector<std::size_t>& place, Time time) const {
+        std::set<double> times;
         for (const std::size_t i : place) {
-            numbers.insert(*slice(i).times.position);
+            times.insert(*(slice(i).times.*time));
         }
-        return numbers;
+        return times;
     }
 
     const std::vector<DicomSlice>* slices_;
@@ -143,6 +160,24 @@ std::vector<TimeField> fields_of(const Order& order) {
     return {position, trigger, acquisition_time, acquisition_number};
 }
 
+/// Leaves out slices of volumes that lack others. Times may differ from place to place, but numbers
+/// may not; so where places have as many slices, only numbers tell. Returns how many.
+std::size_t keep_whole_volumes(Order& order) {
+    for (const TimeField& field : {position, trigger, acquisition_time, acquisition_number}) {
+        Order kept = order;
+        const bool tells = field.time == position.time || !order.has_as_many_everywhere();
+        if (!tells || !order.has(field.time) || !kept.sort_by(field.time)) {
+            continue;
+        }
+        const std::size_t left_out = kept.keep_whole_volumes(field.time);
+        if (left_out > 0) {
+            order = kept;
+            return left_out;
+        }
+    }
+    return 0;
+}
+
 }  // namespace
 
 TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
@@ -151,9 +186,8 @@ TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
     if (std::ranges::all_of(places, [](const auto& place) { return place.size() == 1; })) {
         return found;
     }
-    if (whole.has(position.time)) {
-        found.left_out = whole.keep_whole_volumes();
-    }
+    found.is_even = whole.has_as_many_everywhere();
+    found.left_out = keep_whole_volumes(whole);
     found.why_not = whole.why_not();
     if (!found.why_not.empty() || whole.places().front().size() < 2) {
         found.left_out = 0;
@@ -173,11 +207,36 @@ TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
                 found.frame_ms = order.step_ms(clock.time);
             }
         }
+        if (found.frame_ms == 0 &&
+            (field.time == trigger.time || field.time == acquisition_time.time)) {
+            const std::vector<double> steps = order.steps_ms(field.time);
+            const auto [least, most] = std::ranges::minmax(steps);
+            found.uneven = fmt::format("{:g} to {:g} ms", least, most);
+        }
         return found;
     }
     found.left_out = 0;
     found.why_not = "no element of time tells the slices of each place apart";
     return found;
+}
+
+void report_times(const TimeOrder& times, int frame, std::vector<Finding>& findings) {
+    if (times.frames == 1) {
+        return;
+    }
+    findings.push_back(
+        {FindingKind::note,
+         fmt::format("volume {} of {} of a time series: {} tells them apart{}", frame, times.frames,
+                     times.told_by,
+                     times.uneven.empty() ? "" : "; they are " + times.uneven + " apart")});
+    if (times.left_out > 0) {
+        findings.push_back(
+            {FindingKind::missing_slices,
+             fmt::format("{} left out: at other places, slices of their times "
+                         "are missing",
+                         times.left_out == 1 ? "1 slice is"
+                                             : fmt::format("{} slices are", times.left_out))});
+    }
 }
 
 }  // namespace pxpl5::host::io

@@ -176,6 +176,11 @@ TEST_SUITE("host/io/dicom_time") {
     TEST_CASE("uneven times tell an order and no step") {
         check_told("Trigger Time", 0,
                    [](DicomSet& set, int frame, int) { trigger(set, 10 * frame * frame); });
+        const TemporaryFolder folder;
+        write_series(folder,
+                     [](DicomSet& set, int frame, int) { trigger(set, 10 * frame * frame); });
+        CHECK(reports(read(folder.file(""), 0), FindingKind::note,
+                      "Trigger Time tells them apart; they are 30 to 50 ms apart"));
     }
 
     TEST_CASE("times that make no sense count as absent, and the next element is taken") {
@@ -249,6 +254,28 @@ TEST_SUITE("host/io/dicom_time") {
             CHECK(volume.frames == 2);
             CHECK(values_of(volume) == expected(frame));
             CHECK(reports(volume, FindingKind::missing_slices, "2 slices are left out"));
+        }
+    }
+
+    TEST_CASE("a lost slice costs its volume, whatever element tells the times") {
+        for (const int lost : {1, 3}) {
+            CAPTURE(lost);
+            const TemporaryFolder folder;
+            for (int frame = 1; frame <= 4; ++frame) {
+                for (int place = 0; place < places; ++place) {
+                    DicomSet set = slice(frame, place);
+                    trigger(set, 30 * frame);
+                    if (frame != lost || place != 1) {
+                        folder.write("IM" + std::to_string(10 * frame + place), set.file());
+                    }
+                }
+            }
+            const Volume first = read(folder.file(""), 0);
+            CHECK(first.frames == 3);
+            CHECK(values_of(first) == expected(lost == 1 ? 2 : 1));
+            CHECK(values_of(read(folder.file(""), 3)) == expected(4));
+            CHECK(reports(first, FindingKind::missing_slices, "1 slice is left out"));
+            CHECK(!reports(first, FindingKind::duplicate_slices, ""));
         }
     }
 
