@@ -7,6 +7,7 @@
 #include <cstring>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -25,35 +26,18 @@ class FrameGroups {
 
     /// The first of: element `tag` in sequence `macro` of the groups, `tag` in the file.
     std::vector<double> numbers(const std::string& name, gdcm::Tag macro, gdcm::Tag tag) const {
-        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            const auto found = numbers_of(name, group->GetItem(1).GetNestedDataSet(), tag);
-            if (!found.empty()) {
-                return found;
-            }
-        }
-        return numbers_of(name, *file_, tag);
+        return first_of(macro,
+                        [&](const gdcm::DataSet& set) { return numbers_of(name, set, tag); });
     }
 
     /// The same as numbers(), but as text.
     std::string text(gdcm::Tag macro, gdcm::Tag tag) const {
-        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            std::string found = text_of(group->GetItem(1).GetNestedDataSet(), tag);
-            if (!found.empty()) {
-                return found;
-            }
-        }
-        return text_of(*file_, tag);
+        return first_of(macro, [&](const gdcm::DataSet& set) { return text_of(set, tag); });
     }
 
-    /// The bytes of an element, found as by numbers().
+    /// The same as numbers(), but as bytes.
     std::string bytes(gdcm::Tag macro, gdcm::Tag tag) const {
-        for (const gdcm::SmartPointer<gdcm::SequenceOfItems>& group : groups_of(macro)) {
-            std::string found = bytes_of(group->GetItem(1).GetNestedDataSet(), tag);
-            if (!found.empty()) {
-                return found;
-            }
-        }
-        return bytes_of(*file_, tag);
+        return first_of(macro, [&](const gdcm::DataSet& set) { return bytes_of(set, tag); });
     }
 
     /// A binary number (US, UL or FD). No value if it is absent or of another size.
@@ -72,6 +56,19 @@ class FrameGroups {
 
   private:
     using Items = gdcm::SmartPointer<gdcm::SequenceOfItems>;
+
+    /// Returns the result of `read` for the first data set in which it is not empty.
+    template <typename Read>
+    std::invoke_result_t<Read, const gdcm::DataSet&> first_of(gdcm::Tag macro,
+                                                              const Read& read) const {
+        for (const Items& group : groups_of(macro)) {
+            auto found = read(group->GetItem(1).GetNestedDataSet());
+            if (!found.empty()) {
+                return found;
+            }
+        }
+        return read(*file_);
+    }
 
     void add_group(gdcm::Tag tag, std::size_t item) {
         if (!file_->FindDataElement(tag)) {
@@ -101,8 +98,8 @@ class FrameGroups {
     std::vector<std::pair<Items, std::size_t>> groups_;
 };
 
-/// Reads the elements that tell a frame from others of its place. Elements that make no sense count
-/// as absent.
+/// Reads the elements that tell a frame from others of its place. An element with an invalid value
+/// is treated as missing.
 DicomTimes read_times(const gdcm::DataSet& data, const FrameGroups& groups);
 
 }  // namespace pxpl5::host::io

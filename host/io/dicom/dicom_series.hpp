@@ -145,13 +145,13 @@ struct TimeOrder {
     std::string uneven;        ///< "40 to 80 ms" if the steps differ.
     std::string told_by;       ///< "Trigger Time".
     std::string why_not;       ///< Why slices of one place are no time series; else empty.
-    std::size_t left_out = 0;  ///< Slices of volumes that are not whole.
-    bool is_even = true;       ///< Before that, each place had as many.
+    std::size_t left_out = 0;  ///< Slices of incomplete volumes.
+    bool is_even = true;       ///< All places had the same number of slices.
 };
 
-/// Sorts the slices of each place by time if there are as many at each, and an element tells them
-/// apart everywhere. Otherwise leaves them as they are. Slices of volumes that lack others are left
-/// out, if the times of the volumes tell.
+/// Sorts the slices of each place by time if all places have the same number of slices, and one
+/// element is different for all slices of each place. Otherwise leaves them as they are. Removes
+/// the slices of incomplete volumes if their times show which these are.
 ///
 /// places  Indices into `slices`, for each place in the patient.
 TimeOrder sort_by_time(const std::vector<DicomSlice>& slices,

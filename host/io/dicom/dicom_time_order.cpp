@@ -24,10 +24,11 @@ using Time = std::optional<double> DicomTimes::*;
 struct TimeField {
     Time time;
     const char* name;
+    bool is_clock = false;  ///< In milliseconds.
 };
 constexpr TimeField position{&DicomTimes::position, "Temporal Position"},
-    trigger{&DicomTimes::trigger_ms, "Trigger Time"},
-    acquisition_time{&DicomTimes::acquisition_ms, "Acquisition Time"},
+    trigger{&DicomTimes::trigger_ms, "Trigger Time", true},
+    acquisition_time{&DicomTimes::acquisition_ms, "Acquisition Time", true},
     acquisition_number{&DicomTimes::acquisition, "Acquisition Number"};
 
 /// The slices of one series and their places.
@@ -76,13 +77,13 @@ class Order {
             }
         }
         if (!has_as_many_everywhere()) {
-            return "not all places have as many slices";
+            return "the number of slices differs from place to place";
         }
         return "";
     }
 
-    /// Leaves out slices whose time is not there at each place, unless these are most. Returns how
-    /// many.
+    /// Removes slices whose time does not occur at every place, if at least half of the times do.
+    /// Returns how many slices were removed.
     std::size_t keep_whole_volumes(Time time) {
         std::set<double> whole = times_at(places_.front(), time);
         std::size_t most = 0;
@@ -160,8 +161,9 @@ std::vector<TimeField> fields_of(const Order& order) {
     return {position, trigger, acquisition_time, acquisition_number};
 }
 
-/// Leaves out slices of volumes that lack others. Times may differ from place to place, but numbers
-/// may not; so where places have as many slices, only numbers tell. Returns how many.
+/// Removes the slices of incomplete volumes. Where all places have the same number of slices, only
+/// the number in time shows which volume is incomplete: clocks may differ from place to place.
+/// Returns how many slices were removed.
 std::size_t keep_whole_volumes(Order& order) {
     for (const TimeField& field : {position, trigger, acquisition_time, acquisition_number}) {
         Order kept = order;
@@ -202,13 +204,11 @@ TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
         found.frames = static_cast<int>(places.front().size());
         found.told_by = field.name;
         for (const TimeField& clock : {field, trigger, acquisition_time}) {
-            const bool is_clock = clock.time == trigger.time || clock.time == acquisition_time.time;
-            if (found.frame_ms == 0 && is_clock) {
+            if (found.frame_ms == 0 && clock.is_clock) {
                 found.frame_ms = order.step_ms(clock.time);
             }
         }
-        if (found.frame_ms == 0 &&
-            (field.time == trigger.time || field.time == acquisition_time.time)) {
+        if (found.frame_ms == 0 && field.is_clock) {
             const std::vector<double> steps = order.steps_ms(field.time);
             const auto [least, most] = std::ranges::minmax(steps);
             found.uneven = fmt::format("{:g} to {:g} ms", least, most);
@@ -232,8 +232,8 @@ void report_times(const TimeOrder& times, int frame, std::vector<Finding>& findi
     if (times.left_out > 0) {
         findings.push_back(
             {FindingKind::missing_slices,
-             fmt::format("{} left out: at other places, slices of their times "
-                         "are missing",
+             fmt::format("{} left out, because their volumes lack slices at other "
+                         "places",
                          times.left_out == 1 ? "1 slice is"
                                              : fmt::format("{} slices are", times.left_out))});
     }
