@@ -7,6 +7,7 @@
 
 #include "host/io/import.hpp"
 #include "tests/host/io/dicom_files.hpp"
+#include "tests/host/io/read_frame.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
@@ -40,14 +41,6 @@ void write_series(const TemporaryFolder& folder, const TellTime& tell) {
     }
 }
 
-Volume read(const std::string& path, std::uint32_t frame, ReadBy by = ReadBy::host) {
-    ImportRequest request;
-    request.path = path;
-    request.frame = frame;
-    request.read = by;
-    return import_volume(request);
-}
-
 std::vector<int> values_of(const Volume& volume) {
     std::vector<std::int16_t> values(volume.values.size() / 2);
     std::memcpy(values.data(), volume.values.data(), volume.values.size());
@@ -68,10 +61,10 @@ bool reports(const Volume& volume, FindingKind kind, const std::string& words) {
 
 /// Each volume of the series in order, and nothing reported as a copy.
 void check_series(const std::string& path, const std::string& told_by, double frame_ms) {
-    CHECK(values_of(read(path, 0)) == expected(1));
+    CHECK(values_of(read_frame(path, 0)) == expected(1));
     for (int frame = 1; frame <= frames; ++frame) {
         CAPTURE(frame);
-        const Volume volume = read(path, static_cast<std::uint32_t>(frame));
+        const Volume volume = read_frame(path, static_cast<std::uint32_t>(frame));
         CHECK(values_of(volume) == expected(frame));
         CHECK(volume.frame == frame);
         CHECK(volume.frames == frames);
@@ -83,7 +76,7 @@ void check_series(const std::string& path, const std::string& told_by, double fr
         CHECK(!reports(volume, FindingKind::duplicate_slices, ""));
     }
     CHECK_THROWS_WITH_AS(
-        read(path, 4),
+        read_frame(path, 4),
         (path + ": frame is 4, but the series has 3 volumes: give frame=1 to 3").c_str(),
         ImportError);
 }
@@ -93,10 +86,10 @@ void check_copies(const std::string& why, const TellTime& tell) {
     CAPTURE(why);
     const TemporaryFolder folder;
     write_series(folder, tell);
-    const Volume volume = read(folder.file(""), 0);
+    const Volume volume = read_frame(folder.file(""), 0);
     CHECK(volume.frames == 1);
     CHECK(reports(volume, FindingKind::duplicate_slices, "have the position of another"));
-    CHECK_THROWS_WITH_AS(read(folder.file(""), 2),
+    CHECK_THROWS_WITH_AS(read_frame(folder.file(""), 2),
                          (folder.file("") + ": frame is 2, but the series has one volume (" + why +
                           "): load it without frame=")
                              .c_str(),
@@ -117,15 +110,18 @@ void trigger(DicomSet& set, double ms) {
     set.text(0x18, 0x1060, "DS", dicom_numbers({ms}));
 }
 
-/// A file with all slices as frames, the last volume first.
-DicomSet enhanced(const std::function<DicomSet(int frame)>& content) {
+/// A file with all slices as frames, the last volume first. `tell` fills a functional group:
+/// (0020,9111), the frame's content, or (0018,9118), the heart's clock.
+DicomSet enhanced(std::uint16_t macro, const std::function<void(DicomSet&, int frame)>& tell) {
     std::vector<DicomSet> groups;
     std::string values;
     for (int frame = frames; frame >= 1; --frame) {
         for (int place = 0; place < places; ++place) {
             values += bytes_of(
                 std::vector<std::int16_t>(voxels, static_cast<std::int16_t>(100 * frame + place)));
-            DicomSet position, group = content(frame);
+            DicomSet position, told, group;
+            tell(told, frame);
+            group.sequence(macro == 0x9118 ? 0x18 : 0x20, macro, {told});
             position.text(0x20, 0x32, "DS", dicom_numbers({0, 0, 5.0 * place}));
             groups.push_back(group.sequence(0x20, 0x9113, {position}));
         }
@@ -179,7 +175,7 @@ TEST_SUITE("host/io/dicom_time") {
         const TemporaryFolder folder;
         write_series(folder,
                      [](DicomSet& set, int frame, int) { trigger(set, 10 * frame * frame); });
-        CHECK(reports(read(folder.file(""), 0), FindingKind::note,
+        CHECK(reports(read_frame(folder.file(""), 0), FindingKind::note,
                       "Trigger Time tells them apart; they are 30 to 50 ms apart"));
     }
 
@@ -224,12 +220,13 @@ TEST_SUITE("host/io/dicom_time") {
             });
         check_copies(untold,
                      [](DicomSet& set, int frame, int) { trigger(set, frame == 1 ? 10 : 20); });
-        check_copies("not all places have as many slices", [](DicomSet& set, int frame, int place) {
-            trigger(set, 30 * frame);
-            if (frame == 3 && place == 1) {
-                dicom_place(set, {0, 0, 10}, {1, 0, 0}, {0, 1, 0}, 1, 1);
-            }
-        });
+        check_copies("the number of slices differs from place to place",
+                     [](DicomSet& set, int frame, int place) {
+                         trigger(set, 30 * frame);
+                         if (frame == 3 && place == 1) {
+                             dicom_place(set, {0, 0, 10}, {1, 0, 0}, {0, 1, 0}, 1, 1);
+                         }
+                     });
         check_copies(untold, [](DicomSet& set, int frame, int place) {
             if (frame != 2 || place != 1) {
                 trigger(set, 30 * frame);
@@ -237,7 +234,7 @@ TEST_SUITE("host/io/dicom_time") {
         });
     }
 
-    TEST_CASE("a volume that lacks a slice is left out, and that is said") {
+    TEST_CASE("an incomplete volume is left out, and a finding says so") {
         const TemporaryFolder folder;
         for (int frame = 1; frame <= 4; ++frame) {
             for (int place = 0; place < places; ++place) {
@@ -250,7 +247,7 @@ TEST_SUITE("host/io/dicom_time") {
             }
         }
         for (const auto& [number, frame] : {std::pair{1, 1}, {2, 4}}) {
-            const Volume volume = read(folder.file(""), static_cast<std::uint32_t>(number));
+            const Volume volume = read_frame(folder.file(""), static_cast<std::uint32_t>(number));
             CHECK(volume.frames == 2);
             CHECK(values_of(volume) == expected(frame));
             CHECK(reports(volume, FindingKind::missing_slices, "2 slices are left out"));
@@ -270,10 +267,10 @@ TEST_SUITE("host/io/dicom_time") {
                     }
                 }
             }
-            const Volume first = read(folder.file(""), 0);
+            const Volume first = read_frame(folder.file(""), 0);
             CHECK(first.frames == 3);
             CHECK(values_of(first) == expected(lost == 1 ? 2 : 1));
-            CHECK(values_of(read(folder.file(""), 3)) == expected(4));
+            CHECK(values_of(read_frame(folder.file(""), 3)) == expected(4));
             CHECK(reports(first, FindingKind::missing_slices, "1 slice is left out"));
             CHECK(!reports(first, FindingKind::duplicate_slices, ""));
         }
@@ -306,9 +303,9 @@ TEST_SUITE("host/io/dicom_time") {
             dicom_place(set, {0.001 * frame, 0, 5.0 * place + 0.0002 * frame}, {1, 0, 0}, {0, 1, 0},
                         1, 1);
         });
-        const Volume first = read(folder.file(""), 1);
+        const Volume first = read_frame(folder.file(""), 1);
         for (int frame = 2; frame <= frames; ++frame) {
-            const Volume volume = read(folder.file(""), static_cast<std::uint32_t>(frame));
+            const Volume volume = read_frame(folder.file(""), static_cast<std::uint32_t>(frame));
             CHECK(values_of(volume) == expected(frame));
             CHECK(volume.voxel_to_patient == first.voxel_to_patient);
             CHECK(volume.slice_places == first.slice_places);
@@ -323,41 +320,32 @@ TEST_SUITE("host/io/dicom_time") {
                 set.compressed_pixels("no picture");
             }
         });
-        CHECK_THROWS_WITH_AS(read(folder.file(""), 2), doctest::Contains("IM"), ImportError);
+        CHECK_THROWS_WITH_AS(read_frame(folder.file(""), 2), doctest::Contains("IM9: "),
+                             ImportError);
     }
 
     TEST_CASE("frames of an enhanced file are told apart by their groups' elements") {
         const TemporaryFolder folder;
-        const DicomSet by_index = enhanced([](int frame) {
-            DicomSet content, group;
+        const auto check = [&](const std::string& told_by, double frame_ms, std::uint16_t macro,
+                               const std::function<void(DicomSet&, int frame)>& tell) {
+            check_series(folder.write("x.dcm", enhanced(macro, tell).file()), told_by, frame_ms);
+        };
+        check("Temporal Position", 0, 0x9111, [](DicomSet& content, int frame) {
             content.put(0x20, 0x9128, "UL", bytes_of(static_cast<std::uint32_t>(frame)));
-            return group.sequence(0x20, 0x9111, {content});
         });
-        check_series(folder.write("index.dcm", by_index.file()), "Temporal Position", 0);
-        const DicomSet by_heart = enhanced([](int frame) {
-            DicomSet heart, group;
+        check("Trigger Time", 25, 0x9118, [](DicomSet& heart, int frame) {
             heart.put(0x20, 0x9153, "FD", bytes_of(25.0 * frame));
-            return group.sequence(0x18, 0x9118, {heart});
         });
-        check_series(folder.write("heart.dcm", by_heart.file()), "Trigger Time", 25);
-        const DicomSet by_clock = enhanced([](int frame) {
-            DicomSet content, group;
+        check("Acquisition Time", 1000, 0x9111, [](DicomSet& content, int frame) {
             content.text(0x18, 0x9074, "DT", "2026112810000" + std::to_string(frame) + ".5");
-            return group.sequence(0x20, 0x9111, {content});
         });
-        check_series(folder.write("clock.dcm", by_clock.file()), "Acquisition Time", 1000);
-        const DicomSet by_number = enhanced([](int frame) {
-            DicomSet content, group;
+        check("Acquisition Number", 0, 0x9111, [](DicomSet& content, int frame) {
             content.put(0x20, 0x9156, "US", bytes_of(static_cast<std::uint16_t>(frame)));
-            return group.sequence(0x20, 0x9111, {content});
         });
-        check_series(folder.write("number.dcm", by_number.file()), "Acquisition Number", 0);
-        const DicomSet too_short = enhanced([](int frame) {
-            DicomSet content, group;
+        const DicomSet too_short = enhanced(0x9111, [](DicomSet& content, int frame) {
             content.put(0x20, 0x9128, "UL", bytes_of(static_cast<std::uint16_t>(frame)));
-            return group.sequence(0x20, 0x9111, {content});
         });
-        CHECK(read(folder.write("short.dcm", too_short.file()), 0).frames == 1);
+        CHECK(read_frame(folder.write("short.dcm", too_short.file()), 0).frames == 1);
     }
 
     TEST_CASE("mosaics, one file a volume, are a time series") {
@@ -372,7 +360,7 @@ TEST_SUITE("host/io/dicom_time") {
                              .file());
         }
         for (int frame = 1; frame <= frames; ++frame) {
-            const Volume volume = read(folder.file(""), static_cast<std::uint32_t>(frame));
+            const Volume volume = read_frame(folder.file(""), static_cast<std::uint32_t>(frame));
             CHECK(volume.nz == 3);
             CHECK(volume.frames == frames);
             CHECK(volume.frame_ms == 2000);
@@ -383,7 +371,7 @@ TEST_SUITE("host/io/dicom_time") {
     TEST_CASE("GPs read the same volume of the series as the host") {
         const TemporaryFolder folder;
         write_series(folder, [](DicomSet& set, int frame, int) { trigger(set, 30 * frame); });
-        const Volume volume = read(folder.file(""), 2, ReadBy::gps);
+        const Volume volume = read_frame(folder.file(""), 2, ReadBy::gps);
         REQUIRE(volume.stored);
         CHECK(volume.frame == 2);
         CHECK(volume.minimum == 200);

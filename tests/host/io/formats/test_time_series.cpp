@@ -6,6 +6,7 @@
 
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/import.hpp"
+#include "tests/host/io/read_frame.hpp"
 #include "tests/host/io/volume_writers.hpp"
 
 using namespace pxpl5;
@@ -38,18 +39,10 @@ bool holds(const Volume& volume, const std::vector<std::int16_t>& values) {
            std::memcmp(volume.values.data(), values.data(), volume.values.size()) == 0;
 }
 
-Volume read(const std::string& path, std::uint32_t frame, ReadBy by = ReadBy::host) {
-    ImportRequest request;
-    request.path = path;
-    request.frame = frame;
-    request.read = by;
-    return import_volume(request);
-}
-
 /// The error without the file's name; empty if the volume is read.
 std::string refusal(const std::string& path, std::uint32_t frame) {
     try {
-        read(path, frame);
+        read_frame(path, frame);
         return {};
     } catch (const ImportError& error) {
         const std::string text = error.what();
@@ -66,12 +59,12 @@ void check_frames(const std::string& path, const std::string& axes = "4x3x2x3") 
                   "). If it is a time series, select a volume with frame=N, 1 to 3. "
                   "Vectors and color are not read");
     } else {
-        CHECK(holds(read(path, 0), values_of(1)));
+        CHECK(holds(read_frame(path, 0), values_of(1)));
     }
     CHECK(refusal(path, 4) == "frame is 4, but the file has 3 volumes: give frame=1 to 3");
     for (std::size_t frame = 1; frame <= frames; ++frame) {
         CAPTURE(frame);
-        const Volume volume = read(path, static_cast<std::uint32_t>(frame));
+        const Volume volume = read_frame(path, static_cast<std::uint32_t>(frame));
         CHECK(std::array{volume.nx, volume.ny, volume.nz} == std::array{4, 3, 2});
         CHECK(holds(volume, values_of(frame)));
         CHECK(volume.frame == static_cast<int>(frame));
@@ -192,7 +185,7 @@ TEST_SUITE("host/io/time series") {
              {folder.write("v.nii", nifti()), folder.write("v.nrrd", nrrd("raw") + values),
               folder.write("end.nhdr", nrrd("raw", "byte skip: -1\ndata file: end.raw\n"))}) {
             CAPTURE(path);
-            const Volume second = read(path, 2, ReadBy::gps);
+            const Volume second = read_frame(path, 2, ReadBy::gps);
             CHECK(holds(second, values_of(2)));
             CHECK(second.frame == 2);
             CHECK(second.frames == 3);
@@ -206,7 +199,7 @@ TEST_SUITE("host/io/time series") {
             header.put_dims({4, 4, 3, 2, 3, 1, 1, 1});
             header.put(123, static_cast<char>(2 | units));
             header.put(92, step);
-            return read(folder.write("t.nii", header.bytes() + bytes_of(series().values)), 2)
+            return read_frame(folder.write("t.nii", header.bytes() + bytes_of(series().values)), 2)
                 .frame_ms;
         };
         CHECK(nifti_ms(8, 2.5F) == 2500);
@@ -215,7 +208,8 @@ TEST_SUITE("host/io/time series") {
         CHECK(nifti_ms(0, 40) == 0);
         CHECK(nifti_ms(8, -1) == 0);
         const auto nrrd_ms = [&](const std::string& more) {
-            return read(folder.write("t.nrrd", nrrd("raw", more) + bytes_of(series().values)), 0)
+            return read_frame(folder.write("t.nrrd", nrrd("raw", more) + bytes_of(series().values)),
+                              0)
                 .frame_ms;
         };
         const std::string time = "kinds: space space space time\nspacings: nan nan nan 33\n";
@@ -260,12 +254,13 @@ TEST_SUITE("host/io/time series") {
                 volume.findings, name + " ends before the last of its 3 volumes: it may be cut off",
                 &Finding::text);
         };
-        const Volume second = read(path, 2);
+        const Volume second = read_frame(path, 2);
         CHECK(holds(second, values_of(2)));
         CHECK(notes_cut(second, "v.nii") == 1);
         CHECK(refusal(path, 3) == "volume 3 of 3 ends after 496 bytes, v.nii has 472");
         const std::string half = gzipped(folder, whole);
-        const Volume first = read(folder.write("h.nii.gz", half.substr(0, half.size() - 12)), 1);
+        const Volume first =
+            read_frame(folder.write("h.nii.gz", half.substr(0, half.size() - 12)), 1);
         CHECK(holds(first, values_of(1)));
         CHECK(notes_cut(first, "h.nii.gz") == 1);
         CHECK(refusal(folder.file("h.nii.gz"), 3).find("when decompressed, h.nii.gz has") !=
@@ -305,7 +300,7 @@ TEST_SUITE("host/io/time series") {
         for (const ReadBy by : {ReadBy::host, ReadBy::gps}) {
             for (const std::uint32_t frame : {1, 2, 3}) {
                 CHECK_THROWS_WITH_AS(
-                    read(folder.file("end.nhdr"), frame, by),
+                    read_frame(folder.file("end.nhdr"), frame, by),
                     doctest::Contains("its 3 volumes need 144 bytes, end.raw has 100"),
                     ImportError);
             }
