@@ -7,7 +7,7 @@
 
 #include "host/io/import.hpp"
 #include "tests/host/io/dicom_files.hpp"
-#include "tests/host/io/read_frame.hpp"
+#include "tests/host/io/formats/read_frame.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;

@@ -6,7 +6,7 @@
 
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/import.hpp"
-#include "tests/host/io/read_frame.hpp"
+#include "tests/host/io/formats/read_frame.hpp"
 #include "tests/host/io/volume_writers.hpp"
 
 using namespace pxpl5;
