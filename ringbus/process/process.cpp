@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <deque>
+#include <new>
 #include <stdexcept>
 #include <string_view>
 
@@ -106,7 +107,8 @@ void learn_ring(ZmqLink& link, const schema::Topology& topology) {
 }
 
 /// Runs the handshake: Hello, Topology, Connected, Go. Appends messages that precede Go to `early`.
-/// Returns false after Shutdown or when the parent has ended.
+/// Returns false after Shutdown or when the parent has ended. Throws what the node throws at
+/// Topology: without it, the node can do no work, and the host replaces a process that ends.
 bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
           const std::function<bool()>& alive, Pulse& pulse, std::deque<Message>& early) {
     while (true) {
@@ -121,7 +123,7 @@ bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
         pulse.enter(Phase::receiving, {message->kind()});
         if (const auto* topology = message->as<schema::Topology>()) {
             learn_ring(ring, *topology);
-            deliver(node, link.id(), *message, out);
+            node.receive(*message, out);
             link.send(host_id, pack(schema::ConnectedT{}));
         } else if (message->kind() == Body::Go) {
             return true;
@@ -319,6 +321,9 @@ int run_process(int argc, char** argv, schema::Role role, const NodeFactory& mak
     } catch (const std::invalid_argument& error) {
         fmt::print(stderr, "error: {}\n", error.what());
         return usage;
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr, "error: {}\n", memory_exhausted);
+        return internal;
     } catch (const std::exception& error) {
         fmt::print(stderr, "error: {}\n", error.what());
         return internal;

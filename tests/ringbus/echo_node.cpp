@@ -1,5 +1,6 @@
 // A node process for the tests of run_process: answers the number of each
 // RemoveSurface and BeginFrame with a SurfaceBuilt to the host.
+#include <new>
 #include <stdexcept>
 
 #include "ringbus/process/process.hpp"
@@ -12,6 +13,9 @@ class EchoNode final : public bus::Node {
   public:
     void receive(const bus::Message& message, bus::Outbox& out) override {
         if (const auto* topology = message.as<bus::schema::Topology>()) {
+            if (topology->gp_memory_bytes() == 1) {
+                throw std::bad_alloc();  // As ordered.
+            }
             peers_ = topology->nodes()->size();
         } else if (const auto* order = message.as<bus::schema::RemoveSurface>()) {
             if (order->surface() == 0xffff) {

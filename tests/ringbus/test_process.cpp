@@ -136,9 +136,9 @@ struct EchoMachine {
         endpoint = hello->endpoint()->str();
     }
 
-    /// Sends Topology and expects Connected.
-    void connect() {
+    void send_topology(std::uint64_t gp_memory_bytes = 0) {
         schema::TopologyT topology;
+        topology.gp_memory_bytes = gp_memory_bytes;
         const std::string endpoints[] = {host.endpoint(), endpoint, other.endpoint()};
         for (std::uint16_t id = 0; id < 3; ++id) {
             topology.nodes.push_back(std::make_unique<schema::NodeInfoT>());
@@ -150,6 +150,11 @@ struct EchoMachine {
         topology.ring_hop_ns = 7;
         host.add_peer(1, Role::gp, endpoint);
         host.send(1, pack(topology));
+    }
+
+    /// Sends Topology and expects Connected.
+    void connect() {
+        send_topology();
         CHECK(next(host).kind() == Body::Connected);
     }
 
@@ -233,6 +238,14 @@ TEST_SUITE("ringbus/process") {
         CHECK(contains(message.as<schema::Fault>()->reason()->str(), "number of nodes is 0"));
         machine.host.send(1, pack(schema::ShutdownT{}));
         CHECK(wait_for(machine.pid) == 0);
+    }
+
+    TEST_CASE("a node that has no memory for its Topology ends, and does not connect") {
+        EchoMachine machine;
+        machine.send_topology(1);
+        machine.host.send(1, pack(schema::ShutdownT{}));  // Ends a node that works on.
+        CHECK(wait_for(machine.pid) == 70);
+        CHECK(!machine.host.receive().has_value());
     }
 
     TEST_CASE("an internal error ends the node with code 70") {

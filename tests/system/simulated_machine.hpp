@@ -46,6 +46,12 @@ class SimulatedMachine final : public host::MachinePort {
             ring_.send(bus::host_id, roster_[i].id, told);
         }
         ring_.run_until_idle();  // All nodes connect before the first message.
+        for (const bus::Message& message : mailbox_.messages) {
+            if (const auto* refusal = message.as<bus::schema::Fault>()) {
+                throw host::MachineError(70, "a node ended at its start: " +
+                                                 refusal->reason()->str());  // As processes do.
+            }
+        }
         gps_ = ids_of(roster_, bus::schema::Role::gp);
         renderers_ = ids_of(roster_, bus::schema::Role::renderer);
         frame_buffers_ = ids_of(roster_, bus::schema::Role::frame_buffer);

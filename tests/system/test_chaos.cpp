@@ -143,7 +143,7 @@ Topology machine_of(Chance& chance) {
 struct Outcome {
     std::vector<std::string> answers;  ///< Digests of pictures, and texts without times.
     std::string error;                 ///< The first one. Empty: all commands have answered.
-    int restarts = 0, failures = 0;
+    int launches = 0, restarts = 0, failures = 0;
     std::uint64_t allocations = 0;  ///< By nodes.
 };
 
@@ -209,14 +209,16 @@ Outcome run_session(const std::vector<std::string>& commands, const Topology& to
         }
         return launches == 1 ? fate.first : test::Disturbance{};
     };
-    test::MortalMachine machine(topology, extractions, dies, during, launch);
-    Session session(machine);
-    session.scene.overlay = false;
     Outcome outcome;
-    FailingAllocation::count_from_zero(fate.failing_allocation);
+    FailingAllocation::count_from_zero();  // None fails while the first machine starts.
     try {
+        test::MortalMachine machine(topology, extractions, dies, during, launch);
+        Session session(machine);
+        session.scene.overlay = false;
+        FailingAllocation::count_from_zero(fate.failing_allocation);
         for (const std::string& line : commands) {
             outcome.answers.push_back(answer_of(session, line, outcome.failures));
+            outcome.restarts += static_cast<int>(session.recovery.take_restarts().size());
         }
     } catch (const RequestError& error) {
         outcome.error = error.what();
@@ -224,7 +226,7 @@ Outcome run_session(const std::vector<std::string>& commands, const Topology& to
         outcome.error = error.what();
     }
     outcome.allocations = FailingAllocation::counted();
-    outcome.restarts = static_cast<int>(session.recovery.take_restarts().size());
+    outcome.launches = launches;
     return outcome;
 }
 
@@ -317,6 +319,31 @@ TEST_CASE("a surface that a GP has no memory for keeps its color") {
         failures += outcome.failures;
     }
     CHECK(failures > 0);
+}
+
+TEST_CASE("a node that has no memory for its Topology is replaced once more") {
+    const std::vector<std::string> commands = {"size 80x64", "load phantom:sphere",
+                                               "surface a iso=0.5", "digest"};
+    Topology topology;
+    topology.gp.count = topology.renderer.count = 2;
+    topology.frame_buffer.count = 1;
+    topology.gp_memory_mib = 64;
+    topology.gp.restart = {RestartPolicy::replace, most_restarts, 0};
+    const Outcome expected = run_session(commands, topology, {});
+    Fate fate;
+    fate.deaths = {1};
+    fate.victims = {"gp-1"};
+    REQUIRE(run_session(commands, topology, fate).launches == 2);
+    int third_launches = 0;
+    for (std::uint64_t failing = 0; failing < 100; ++failing) {
+        CAPTURE(failing);
+        fate.failing_allocation = failing;
+        const Outcome outcome = run_session(commands, topology, fate);
+        CHECK(outcome.error.empty());
+        CHECK(outcome.answers == expected.answers);
+        third_launches += outcome.launches == 3 ? 1 : 0;
+    }
+    CHECK(third_launches > 5);
 }
 
 TEST_CASE(
