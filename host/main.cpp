@@ -8,7 +8,6 @@
 #include <memory>
 
 #include "host/base/error.hpp"
-#include "host/base/kernel/kept_memory.hpp"
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/base/state_folder.hpp"
 #include "host/base/version.hpp"
@@ -24,6 +23,7 @@
 #include "host/report/report_cli.hpp"
 #include "host/serve/serve.hpp"
 #include "host/serve/serve_cli.hpp"
+#include "ringbus/process/kept_memory.hpp"
 
 namespace {
 
@@ -366,7 +366,7 @@ int dispatch(const CLI::App& app, const Flags& flags) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    keep_memory_of_pictures();
+    bus::keep_freed_memory(32 << 20, 64 << 20);
     open_missing_streams();
     CLI::App app("Surfaces of medical volumes, drawn by a working Pixel-Planes 5", "pxpl5");
     Flags flags;

@@ -16,12 +16,12 @@
 #include <string>
 #include <vector>
 
-#include "host/base/kernel/kept_memory.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/commands/commands.hpp"
 #include "host/machine/machine.hpp"
 #include "host/serve/depths/lean_packing.hpp"
 #include "host/serve/server/encode.hpp"
+#include "ringbus/process/kept_memory.hpp"
 
 using namespace pxpl5;
 
@@ -156,7 +156,7 @@ int run(const std::vector<std::string>& words) {
 }  // namespace
 
 int main(int count, char** words) {
-    host::keep_memory_of_pictures();
+    bus::keep_freed_memory(32 << 20, 64 << 20);
     constexpr int least_words = 6;
     if (count < least_words) {
         fmt::print(stderr, "usage: stereo_bench TOPOLOGY SIZE,SIZE.. ROUNDS FRAMES COMMAND...\n");
