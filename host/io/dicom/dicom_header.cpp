@@ -183,6 +183,7 @@ DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
     DicomSlice slice;
     slice.path = path;
     slice.series = text_of(data, gdcm::Tag(0x0020, 0x000e));
+    slice.instance = text_of(data, gdcm::Tag(0x0008, 0x0018));
     slice.description = text_of(data, gdcm::Tag(0x0008, 0x103e));
     slice.modality = text_of(data, gdcm::Tag(0x0008, 0x0060));
     const auto whole = [&](gdcm::Tag tag) {

@@ -23,14 +23,6 @@ constexpr double max_sideways_mm = 0.05;
 constexpr std::size_t max_named = 8;      // Limit per kind in one finding.
 constexpr std::size_t max_shapes = 1024;  // A file for each would be no series.
 
-std::string name_of(const DicomSlice& slice) {
-    const std::string file = shown(slice.path.filename().string());
-    if (slice.tiles_across > 1) {
-        return fmt::format("tile {} of {}", slice.tile + 1, file);
-    }
-    return slice.frames == 1 ? file : fmt::format("frame {} of {}", slice.frame + 1, file);
-}
-
 bool is_same_step(glm::dvec3 a, glm::dvec3 b) {
     return std::abs(glm::length(a) - glm::length(b)) <= same_spacing * glm::length(a) &&
            glm::length(glm::normalize(a) - glm::normalize(b)) <= same_direction;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -92,6 +93,50 @@ std::size_t choose(const std::string& source, const std::vector<Series>& all,
                                   all.size(), list_of(all)));
 }
 
+/// Slices with one key are the same image of an archive. Equal UIDs are not enough: some programs
+/// that remove names give all images one UID.
+std::string copy_key(const DicomSlice& slice) {
+    const glm::dvec3& at = slice.origin_mm;
+    const DicomTimes& times = slice.times;
+    const glm::dvec3 &x = slice.x_step_mm, &y = slice.y_step_mm;
+    std::string key =
+        fmt::format("{} {} {} {} {}x{} {} {} {} {} {} {} {} {} {} {}", slice.instance, slice.frame,
+                    slice.tile, slice.instance_number, slice.columns, slice.rows, at.x, at.y, at.z,
+                    x.x, x.y, x.z, y.x, y.y, y.z, times.kind);
+    for (const std::optional<double>& time :
+         {times.position, times.trigger_ms, times.acquisition_ms, times.acquisition}) {
+        key += time ? fmt::format(" {}", *time) : " -";
+    }
+    return key;
+}
+
+/// The slices of a series without copies of images, for example from a second folder.
+Series without_copies(Series series, std::vector<Finding>& findings) {
+    std::map<std::string, std::string> names;  // Of the slices that stay, by their keys.
+    std::size_t copies = 0;
+    std::string first_copy;
+    std::erase_if(series, [&](const DicomSlice& slice) {
+        if (slice.instance.empty()) {
+            return false;
+        }
+        const auto [kept, is_new] = names.try_emplace(copy_key(slice), name_of(slice));
+        if (!is_new && copies++ == 0) {
+            first_copy = fmt::format("{} has the image of {} (SOP Instance UID {})", name_of(slice),
+                                     kept->second, shown(slice.instance));
+        }
+        return !is_new;
+    });
+    if (copies > 0) {
+        findings.push_back(
+            {FindingKind::note,
+             fmt::format("{} left out: {}{}",
+                         copies == 1 ? "1 copy of a slice is"
+                                     : fmt::format("{} copies of slices are", copies),
+                         first_copy, copies == 1 ? "" : ", for example")});
+    }
+    return series;
+}
+
 void report_slices(const Series& slices, std::vector<Finding>& findings) {
     const auto [low, high] = std::minmax_element(
         slices.begin(), slices.end(),
@@ -174,6 +219,14 @@ std::array<bool, 3> spacing_stated(const Series& slices) {
 
 }  // namespace
 
+std::string name_of(const DicomSlice& slice) {
+    const std::string file = shown(slice.path.filename().string());
+    if (slice.tiles_across > 1) {
+        return fmt::format("tile {} of {}", slice.tile + 1, file);
+    }
+    return slice.frames == 1 ? file : fmt::format("frame {} of {}", slice.frame + 1, file);
+}
+
 std::vector<Series> series_of(std::vector<DicomSlice> slices) {
     std::map<SeriesKey, Series> by_key;
     for (DicomSlice& slice : slices) {
@@ -197,7 +250,8 @@ OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> sl
                                        "another series is left out: " + line_of(i + 1, all[i])});
         }
     }
-    OrderedSlices ordered = order_slices(source, all[chosen], request, volume.findings);
+    OrderedSlices ordered = order_slices(source, without_copies(all[chosen], volume.findings),
+                                         request, volume.findings);
     const DicomSlice& first = ordered.slices.front();
     if (ordered.slices.size() > max_volume_voxels) {
         throw ImportError(fmt::format("{}: {} voxels along z, must be 1 to {}", source,

@@ -40,6 +40,7 @@ struct DicomSlice {
     std::filesystem::path path;
     int frame = 0, frames = 1;  ///< Index in the file, and how many the file holds.
     std::string series;         ///< Series instance UID; may be empty.
+    std::string instance;       ///< SOP instance UID; may be empty.
     std::string description, modality;
     int series_number = 0, instance_number = 0;
     int columns = 0, rows = 0;
@@ -74,6 +75,9 @@ struct DicomSlice {
     int stored_columns() const { return columns * tiles_across; }
     int stored_rows() const { return rows * tiles_across; }
 };
+
+/// "IM7", or "frame 3 of IM7" in a file of several frames.
+std::string name_of(const DicomSlice& slice);
 
 /// Thrown for a DICOM file that is whole, but holds no slices of a volume.
 struct NoSlices : ImportError {
