@@ -30,12 +30,15 @@ std::optional<double> time_ms(const Volume& volume, int frame) {
 
 /// Throws RequestError (usage) if the volume is no time series.
 void check_series(const Volume& volume, const std::string& command) {
-    if (volume.frames == 1) {
-        refuse_command(
-            fmt::format("{}: {} is one volume; load a file of several volumes, for "
-                        "example phantom:heart",
-                        command, volume.source));
+    if (volume.frames > 1) {
+        return;
     }
+    const auto copies =
+        std::ranges::find(volume.findings, FindingKind::duplicate_slices, &Finding::kind);
+    refuse_command(fmt::format("{}: {} is one volume; {}", command, volume.source,
+                               copies == volume.findings.end()
+                                   ? "load a file of several volumes, for example phantom:heart"
+                                   : copies->text));
 }
 
 /// The volume that the command names: a number, "next", "previous", or the one nearest to at=.

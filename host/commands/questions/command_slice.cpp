@@ -31,10 +31,12 @@ GrayWindow parse_window(const Session& session, const Arguments& arguments) {
 
 /// If the third word names a file, writes the picture to it, and says so.
 void write_slice(Reply& reply, Session& session, const Arguments& arguments, const Slice& slice,
-                 const std::vector<SurfaceContour>& contours, const std::string& title) {
+                 const std::vector<SurfaceContour>& contours, const std::string& place) {
     if (arguments.words.size() < 3) {
         return;
     }
+    const std::string time = time_place(session.volumes.volume());
+    const std::string title = time.empty() ? place : time + ": " + place;
     const GrayWindow window = parse_window(session, arguments);
     const SlicePicture drawn = slice_picture(
         slice, contours, window, session.scene.size,

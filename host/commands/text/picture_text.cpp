@@ -38,18 +38,10 @@ std::string simplified_text(const Session& session) {
     return moved_mm > 0 ? fmt::format("simplified within {} mm", bound_text(moved_mm)) : "";
 }
 
-/// "14/30, 390 ms": the volume's place in its time series. Empty without one.
+/// The volume's place in its time series. Empty without one.
 std::string place_in_series(const Volume& volume, const std::optional<ShownVolumes>& shown) {
-    if (shown) {
-        return fmt::format("{} to {} of {}", shown->first, shown->last, volume.frames);
-    }
-    if (volume.frames == 1) {
-        return {};
-    }
-    return fmt::format("{}/{}{}", volume.frame, volume.frames,
-                       volume.frame_ms > 0
-                           ? fmt::format(", {} ms", grouped(volume.frame_ms * (volume.frame - 1)))
-                           : "");
+    return shown ? fmt::format("{} to {} of {}", shown->first, shown->last, volume.frames)
+                 : time_place(volume);
 }
 
 /// The place comes first: where there is little room, the end is cut off.

@@ -8,6 +8,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "host/base/chart_axis.hpp"
 #include "host/phantom/phantom.hpp"
 #include "host/surface/atlas/histogram.hpp"
 
@@ -42,6 +43,17 @@ std::vector<double> quantiles(const Histogram& counted) {
         values.push_back(quantile(counted, 10 * percent));
     }
     return values;
+}
+
+/// A line about the time series; empty without one.
+std::string series_text(const Volume& volume) {
+    const std::string place = time_place(volume);
+    if (place.empty()) {
+        return {};
+    }
+    return "\ntime series: " + place +
+           (volume.frame_ms > 0 ? fmt::format("; volumes are {:.6g} ms apart", volume.frame_ms)
+                                : "; the time from volume to volume is not stated or not even");
 }
 
 }  // namespace
@@ -170,6 +182,16 @@ std::vector<Fields> tell_findings(const Volume& volume, Reply& reply) {
 
 }  // namespace
 
+std::string time_place(const Volume& volume) {
+    if (volume.frames == 1) {
+        return {};
+    }
+    return fmt::format("{}/{}{}", volume.frame, volume.frames,
+                       volume.frame_ms > 0
+                           ? fmt::format(", {} ms", grouped(volume.frame_ms * (volume.frame - 1)))
+                           : "");
+}
+
 Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     const glm::dvec3 spacing = spacing_mm(volume),
                      extent =
@@ -196,9 +218,10 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         reply.text += fmt::format("{} {} ({:.6g}, {:.6g}, {:.6g})", axis == 0 ? "" : ",",
                                   "xyz"[axis], c.x, c.y, c.z);
     }
+    reply.text += " LPS" + series_text(volume);
     const Histogram counted = histogram(volume, histogram_bins);
     const std::vector<double> shares = quantiles(counted);
-    reply.text += " LPS\npercentiles:";
+    reply.text += "\npercentiles:";
     for (std::size_t i = 0; i < shares.size(); ++i) {
         reply.text +=
             fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);

@@ -23,6 +23,9 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail = VolumeDetail::
 /// is short, so that it is readable in small pictures.
 std::string place_warning(const Volume& volume);
 
+/// "14/30, 390 ms": the volume's place in its time series. Empty without one.
+std::string time_place(const Volume& volume);
+
 /// Distance between voxel centers along x, y and z in millimeters.
 glm::dvec3 spacing_mm(const Volume& volume);
 

@@ -98,6 +98,21 @@ TEST_CASE("a volume that is shown later is the volume that is loaded by its numb
                          RequestError);
 }
 
+TEST_CASE("texts and slices say which volume they are of") {
+    test::SimulatedMachine machine{small_machine()};
+    Ward ward(machine, " frame=13");
+    const std::string info = ward.does("info").text;
+    CHECK(info.find("\ntime series: 13/30, 360 ms; volumes are 30 ms apart\n") !=
+          std::string::npos);
+    ward.does("slice z 30 heart.png");
+    REQUIRE(machine.exported.size() == 1);
+    CHECK(machine.exported[0].description.starts_with("13/30, 360 ms: axial"));
+    ward.does("load phantom:sphere");
+    CHECK(ward.does("info").text.find("time series") == std::string::npos);
+    ward.does("slice z 30 sphere.png");
+    CHECK(machine.exported[1].description.starts_with("axial"));
+}
+
 TEST_CASE("volumes that were shown are kept until another volume is loaded") {
     test::SimulatedMachine machine{small_machine()};
     Ward ward(machine);
