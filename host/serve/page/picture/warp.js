@@ -2,6 +2,7 @@
 import {byId} from '../elements/dom.js';
 import {opacitiesOf} from './bitmaps.js';
 import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
+import {sizeOf} from './compose.js';
 import {canUnpack, unpack} from './lean_depths.js';
 import {Parallax} from './parallax.js';
 import {partsOf} from './stereo.js';
@@ -9,6 +10,7 @@ import {WarpPainter} from './warp_painter.js';
 
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
+/** @typedef {import('./compose.js').Bitmap} Bitmap */
 /** @typedef {import('./camera.js').View} View */
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 /** @typedef {import('./stereo.js').Stereo} Stereo */
@@ -96,6 +98,13 @@ export class Warp {
     this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
     /** @private @type {Source | null} */
     this.source_ = null;
+    /**
+     * The picture of the source, until the painter has it. A picture that is not warped does not
+     * go there, for example while an isovalue moves or a time series plays.
+     * @private
+     * @type {{bitmap: Bitmap, leans: LeanDepths[], isShared: boolean} | null}
+     */
+    this.pending_ = null;
     /** @private Camera of the picture below. @type {CameraState | null} */
     this.shown_ = null;
     /** @private */
@@ -160,17 +169,19 @@ export class Warp {
 
   /**
    * Takes the newest picture, or layers of the state in the picture that is on the canvas below.
+   * The caller may use the bitmap until release().
    * @param {FrameHeader} header
    * @param {CameraState | null} camera
    * @param {Stereo} stereo
-   * @param {ImageBitmap} bitmap
+   * @param {Bitmap} bitmap
    * @param {LeanDepths[] | null} leans
    * @returns {boolean} whether the canvas below must show the picture: moving pairs are composed
    *     here, which is faster
    */
   take({width, height, revision, views, rests, layers, opacity}, camera, stereo, bitmap, leans) {
     this.shown_ = camera;
-    if (this.painter_ && Math.max(bitmap.width, bitmap.height) > this.painter_.most_px) {
+    const size = sizeOf(bitmap);
+    if (this.painter_ && Math.max(size.width, size.height) > this.painter_.most_px) {
       leans = null;  // The canvas below has no such limit.
     }
     const asked = camera && this.views_.filter(({view}) => isSameView(view, camera)).at(-1);
@@ -179,12 +190,18 @@ export class Warp {
     const before = this.source_;
     this.source_ = null;
     if (leans && camera && this.painter_) {
-      this.painter_.take(bitmap, leans);
+      this.drop_();
+      this.pending_ = {bitmap, leans, isShared: true};
+      if (rests) {
+        this.upload_();  // The first move of a turn finds it there.
+      }
       const opacities = opacitiesOf({layers, opacity});
       this.source_ = {camera, stereo: views === 1 ? {...stereo, mode: 'off'} : stereo, width,
         height, revision, opacities, seenAt, isBelow};
     } else if (rests && before?.revision === revision) {
       this.source_ = {...before, seenAt, isBelow};  // The moving picture had depths: it had layers.
+    } else {
+      this.drop_();
     }
     if (!this.draw_() && seenAt > 0) {
       const age = performance.now() - seenAt;
@@ -195,8 +212,35 @@ export class Warp {
     return isBelow;
   }
 
+  /** Ends the use of the bitmap by the caller of take(). @param {Bitmap} bitmap */
+  release(bitmap) {
+    if (this.pending_?.bitmap === bitmap) {
+      this.pending_.isShared = false;
+    } else {
+      bitmap.close();
+    }
+  }
+
+  /** Gives the painter the picture of the source, if it does not have it. @private */
+  upload_() {
+    const {pending_: pending, painter_: painter} = this;
+    if (pending && painter) {
+      painter.take(pending.bitmap, pending.leans);
+      this.drop_();
+    }
+  }
+
+  /** @private */
+  drop_() {
+    if (this.pending_ && !this.pending_.isShared) {
+      this.pending_.bitmap.close();
+    }
+    this.pending_ = null;
+  }
+
   /** Shows the picture below until a frame with depths arrives. */
   forget() {
+    this.drop_();
     this.source_ = null;
     this.shown_ = null;
     this.views_ = [];
@@ -295,6 +339,7 @@ export class Warp {
     this.figures.view = isWarped ? view : shown;
     this.canvas_.style.visibility = isDrawn ? 'visible' : 'hidden';
     if (source && painter && state && view && isDrawn) {
+      this.upload_();
       this.paint_(source, painter, view, state);
     }
     if (!isWarped || !state || !source || !view) {

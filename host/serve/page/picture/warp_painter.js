@@ -1,5 +1,6 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
 import {Anaglyph} from './anaglyph.js';
+import {sizeOf} from './compose.js';
 import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
 import {calmBuckets, canShowBlocks, meshOf, SEAM_COLUMNS, seamTexels} from './warp_mesh.js';
 import {FRAGMENT, MOST_STRETCH, PLAIN_FRAGMENT, programOf, VERTEX} from './warp_program.js';
@@ -89,12 +90,12 @@ export class WarpPainter {
 
   /**
    * Takes pictures with their depths.
-   * @param {ImageBitmap} bitmap
+   * @param {import('./compose.js').Bitmap} bitmap
    * @param {LeanDepths[]} leans  Of each picture, from top to bottom.
    */
   take(bitmap, leans) {
     const {gl} = this;
-    const width = bitmap.width, height = bitmap.height / leans.length;
+    const {width, height: all} = sizeOf(bitmap), height = all / leans.length;
     this.size_ = {width, height};
     while (this.meshes_.length < leans.length) {
       const [corners, mask, seams, walls] = [0, 1, 2, 3].map(() => this.texture_(gl.NEAREST));

@@ -1,4 +1,5 @@
 // Slices that the server has packed for a slow link (host/serve/director/slice_packing.hpp).
+import {inflate} from '../link/inflate.js';
 import {ARRAYS} from './slice_pixels.js';
 
 /** @typedef {{json: any, bytes: ArrayBuffer}} Answer  To `ask slice`. */
@@ -13,8 +14,7 @@ export async function unpacked({json, bytes}) {
   if (!json.packed) {
     return {json, bytes};
   }
-  const inflated = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
-  const plain = await new Response(inflated).arrayBuffer();
+  const plain = await inflate(bytes, 'deflate');
   const count = json.width * json.height, each = ARRAYS[json.type]?.BYTES_PER_ELEMENT ?? 0;
   if (plain.byteLength !== json.packed.bytes) {
     throw new Error(`slice: ${plain.byteLength} bytes were packed, its description says `
