@@ -40,6 +40,7 @@ std::string range_of(const schema::ImportVolume& import) {
             .within("nz", raw->nz(), 1, max_volume_voxels);
     }
     check.known("read", import.read())
+        .within("volumes", import.volumes(), 1, max_frames)
         .within("reduced_bytes", import.reduced_bytes(), least_reduced_bytes, most_reduced_bytes);
     return check.reason();
 }

@@ -23,4 +23,9 @@ struct RequestError : std::runtime_error {
     ExitCode code;
 };
 
+/// A request that the io process has refused, or during which it has died.
+struct IoFailure : RequestError {
+    using RequestError::RequestError;
+};
+
 }  // namespace pxpl5::host

@@ -6,9 +6,12 @@
 #include <cmath>
 #include <filesystem>
 #include <new>
+#include <optional>
+#include <utility>
 
 #include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
+#include "host/io/folder_files.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/formats/read_header.hpp"
 #include "host/io/formats/scan_values.hpp"
@@ -20,58 +23,18 @@
 
 namespace pxpl5::host::io {
 
+/// The request for the volumes of a time series, and their files.
+struct Importer::Shared {
+    ImportRequest request;  ///< Its frame is that of the volume that is read.
+    bool later_follow = false;
+    std::optional<FolderFiles> folder;
+    std::vector<DicomSlice> slices;  ///< All of a DICOM file.
+    StoredReader stored;
+};
+
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr int max_folder_depth = 8;
-constexpr std::size_t max_folder_files = 65'536;
-
-/// True if `file` lies in `folder` or below. Both have no links.
-bool lies_in(const fs::path& file, const fs::path& folder) {
-    const fs::path name = file.lexically_relative(folder);
-    return !name.empty() && *name.begin() != "..";
-}
-
-/// Throws ImportError if the link leads out of the folder and of the folders that are allowed: a
-/// stranger's folder could show any picture of the user.
-void check_link(const fs::path& link, const fs::path& folder, const AllowedFolders& allowed) {
-    std::vector<std::string> folders = allowed;
-    folders.push_back(folder.string());
-    const fs::path file = fs::canonical(link);
-    const bool is_inside = std::ranges::any_of(folders, [&](const std::string& each) {
-        std::error_code failure;
-        const fs::path real = fs::canonical(each, failure);
-        return !failure && lies_in(file, real);
-    });
-    if (!is_inside) {
-        throw ImportError(
-            fmt::format("{}: is a link to {}, which lies outside of {}. If the link "
-                        "is trusted, allow the folder of that file with --allow DIR",
-                        link.string(), file.string(), folder.string()));
-    }
-}
-
-/// All files of a folder and of those inside it, by name: folders have no order of their own.
-std::vector<fs::path> files_of(const fs::path& folder) {
-    std::vector<fs::path> files;
-    for (auto at = fs::recursive_directory_iterator(folder); at != fs::end(at); ++at) {
-        if (at.depth() >= max_folder_depth) {
-            at.disable_recursion_pending();
-        }
-        if (at->is_regular_file()) {
-            files.push_back(at->path());
-        }
-        if (files.size() > max_folder_files) {
-            throw ImportError(
-                fmt::format("{}: has more than {} files", folder.string(), max_folder_files));
-        }
-    }
-    std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
-        return is_naturally_before(a.string(), b.string());
-    });
-    return files;
-}
 
 constexpr const char* other_reader =
     "Load it with read=host, or write it as an uncompressed NRRD, MetaImage or NIfTI file first";
@@ -143,48 +106,6 @@ Volume import_slices(const std::string& source, std::vector<DicomSlice> slices,
     return std::move(volume);
 }
 
-/// Files of a folder by their contents.
-struct FolderFiles {
-    std::vector<DicomSlice> slices;
-    std::vector<fs::path> pictures;
-    std::vector<Finding> left_out;   ///< DICOM files that cannot be read, and why.
-    std::size_t others = 0;          ///< Files that are no DICOM images.
-    std::size_t other_pictures = 0;  ///< Pictures of a kind that is left out.
-};
-
-bool is_dicom_directory(const fs::path& file) {
-    return lower_case(file.filename().string()) == "dicomdir";
-}
-
-FolderFiles look_through(const fs::path& folder, const AllowedFolders& allowed) {
-    FolderFiles found;
-    for (const fs::path& file : files_of(folder)) {
-        std::vector<DicomSlice> slices;
-        try {
-            if (fs::is_symlink(file)) {
-                check_link(file, folder, allowed);
-            }
-            slices = is_dicom_directory(file) ? slices : read_dicom_slices(file);
-        } catch (const NoSlices& error) {
-            found.left_out.push_back({FindingKind::other_series, error.what()});
-            continue;
-        } catch (const ImportError& error) {
-            found.left_out.push_back({FindingKind::missing_slices, error.what()});
-            continue;
-        }
-        if (found.slices.size() + slices.size() > max_slices) {
-            throw ImportError(
-                fmt::format("{}: has more than {} slices", folder.string(), max_slices));
-        }
-        std::move(slices.begin(), slices.end(), std::back_inserter(found.slices));
-        if (is_picture(file)) {
-            found.pictures.push_back(file);
-        }
-        found.others += slices.empty() ? 1 : 0;
-    }
-    return found;
-}
-
 /// The folder's slices without files that cannot be decoded; later volumes may not lack one.
 Volume import_readable(const std::string& source, FolderFiles& files,
                        const ImportRequest& request) {
@@ -208,35 +129,7 @@ Volume import_readable(const std::string& source, FolderFiles& files,
     }
 }
 
-void report_left_out(const FolderFiles& files, Volume& volume) {
-    constexpr std::size_t max_named = 16;
-    for (std::size_t i = 0; i < std::min(files.left_out.size(), max_named); ++i) {
-        const Finding& file = files.left_out[i];
-        volume.findings.push_back({file.kind, file.text + ": this file is left out"});
-    }
-    if (files.left_out.size() > max_named) {
-        volume.findings.push_back({FindingKind::missing_slices,
-                                   fmt::format("{} more files cannot be read and are left out",
-                                               files.left_out.size() - max_named)});
-    }
-    const bool are_pictures = files.slices.empty();
-    const std::size_t pictures = files.pictures.size() + files.other_pictures;
-    const std::size_t others = files.others - (are_pictures ? pictures : 0);
-    if (are_pictures && files.other_pictures > 0) {
-        volume.findings.push_back(
-            {FindingKind::note, fmt::format("{} of {} pictures are of another kind and left out",
-                                            files.other_pictures, pictures)});
-    }
-    if (others > 0) {
-        const char* text = others == 1 ? "1 file is not a {0} and is left out"
-                                       : "{1} files are not {0}s and are left out";
-        volume.findings.push_back(
-            {FindingKind::note,
-             fmt::format(fmt::runtime(text), are_pictures ? "picture" : "DICOM image", others)});
-    }
-}
-
-Volume import_folder(const fs::path& folder, const ImportRequest& request) {
+FolderFiles files_of_volume(const fs::path& folder, const ImportRequest& request) {
     const std::string source = folder.string();
     FolderFiles files = look_through(folder, request.allowed);
     if (files.slices.empty() && files.pictures.empty()) {
@@ -254,13 +147,23 @@ Volume import_folder(const fs::path& folder, const ImportRequest& request) {
     if (files.slices.empty()) {
         refuse_frame(source, request);
     }
+    return files;
+}
+
+Volume import_folder(const fs::path& folder, Importer::Shared& shared) {
+    const std::string source = folder.string();
+    const ImportRequest& request = shared.request;
+    if (!shared.folder) {
+        shared.folder = files_of_volume(folder, request);
+    }
+    FolderFiles& files = *shared.folder;
     Volume volume = files.slices.empty() ? read_pictures(source, files.pictures, request)
                                          : import_readable(source, files, request);
     report_left_out(files, volume);
     return volume;
 }
 
-Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
+std::vector<DicomSlice> slices_of_file(const fs::path& path) {
     const std::string file = path.string();
     if (!begins_as_dicom(path)) {
         throw ImportError(file + ": is no DICOM file: 'DICM' and an element must follow byte 128");
@@ -272,21 +175,29 @@ Volume import_dicom_file(const fs::path& path, const ImportRequest& request) {
             ": is no DICOM image: rows (0028,0010) or columns (0028,0011) are missing, or "
             "it is cut or broken");
     }
-    return import_slices(file, std::move(slices), request);
+    return slices;
 }
 
-Volume import_stored(const fs::path& path, const StoredHeader& header,
-                     const ImportRequest& request) {
+Volume import_dicom_file(const fs::path& path, Importer::Shared& shared) {
+    if (shared.slices.empty()) {
+        shared.slices = slices_of_file(path);
+    }
+    return import_slices(path.string(), shared.slices, shared.request);
+}
+
+Volume import_stored(const fs::path& path, const StoredHeader& header, Importer::Shared& shared) {
+    const ImportRequest& request = shared.request;
     const bool by_gps =
         is_read_by_gps(path.string(), why_not_by_gps(header), needed_bytes(header), request);
     Volume volume = by_gps ? scan_stored_values(path, header, request.reduced_bytes)
-                           : read_stored_values(path, header);
+                           : shared.stored.read(path, header, shared.later_follow);
     take_directions(path.string(), request, header.assumed_directions, volume);
     take_spacing(path.string(), request, header.spacing_stated, volume);
     return volume;
 }
 
-Volume import_raw(const fs::path& path, const ImportRequest& request) {
+Volume import_raw(const fs::path& path, Importer::Shared& shared) {
+    const ImportRequest& request = shared.request;
     if (const std::string reason = why_unreadable(path); !reason.empty()) {
         throw ImportError(fmt::format("{}: {}", path.string(), reason));
     }
@@ -295,17 +206,18 @@ Volume import_raw(const fs::path& path, const ImportRequest& request) {
         throw ImportError(path.string() +
                           ": a raw file states no distances: give spacing=x,y,z in millimeters");
     }
-    return import_stored(path, header, request);
+    return import_stored(path, header, shared);
 }
 
-Volume import_checked(const fs::path& path, const ImportRequest& request) {
+Volume import_checked(const fs::path& path, Importer::Shared& shared) {
+    const ImportRequest& request = shared.request;
     if (request.raw) {
         refuse_frame(path.string(), request);
-        return import_raw(path, request);
+        return import_raw(path, shared);
     }
     const Format format = format_of(path);
     if (fs::is_directory(path)) {
-        return import_folder(path, request);
+        return import_folder(path, shared);
     }
     if (!request.series.empty() && format != Format::dicom) {
         throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
@@ -316,12 +228,12 @@ Volume import_checked(const fs::path& path, const ImportRequest& request) {
     }
     switch (format) {
         case Format::dicom:
-            return import_dicom_file(path, request);
+            return import_dicom_file(path, shared);
         case Format::pictures:
             refuse_frame(path.string(), request);
             return read_pictures(path.string(), {path}, request);
         default:
-            return import_stored(path, read_stored_header(path, format, request), request);
+            return import_stored(path, read_stored_header(path, format, request), shared);
     }
 }
 
@@ -366,12 +278,22 @@ void check_request(const ImportRequest& request) {
 
 }  // namespace
 
-Volume import_volume(const ImportRequest& request) {
+Importer::Importer(ImportRequest request) : shared_(std::make_unique<Shared>()) {
+    shared_->request = std::move(request);
+}
+Importer::~Importer() = default;
+Importer::Importer(Importer&&) noexcept = default;
+Importer& Importer::operator=(Importer&&) noexcept = default;
+
+Volume Importer::read(std::uint32_t frame, bool later_follow) {
+    shared_->request.frame = frame;
+    shared_->later_follow = later_follow;
+    const ImportRequest& request = shared_->request;
     const std::string& path = request.path;
     try {
         check_request(request);
         const bool phantom = is_phantom(path);
-        Volume volume = phantom ? import_phantom(request) : import_checked(path, request);
+        Volume volume = phantom ? import_phantom(request) : import_checked(path, *shared_);
         if (!phantom) {
             check_place(path, volume);
             volume.name = name_of(path);
@@ -384,6 +306,10 @@ Volume import_volume(const ImportRequest& request) {
     } catch (const fs::filesystem_error& error) {
         throw ImportError(fmt::format("{}: {}", path, error.code().message()));
     }
+}
+
+Volume import_volume(const ImportRequest& request) {
+    return Importer(request).read(request.frame);
 }
 
 Volume import_volume(const std::string& path) {

@@ -137,16 +137,20 @@ void IoNode::receive(const bus::Message& message, bus::Outbox&) {
 }
 
 bus::Doing IoNode::doing() {
-    if (sending_) {
-        return {bus::Body::Slices, sending_->id, static_cast<std::uint32_t>(sending_->next_slice),
-                static_cast<std::uint32_t>(kept(sending_->volume).nz)};
+    if (import_ && import_->sending) {
+        const Sending& sending = *import_->sending;
+        return {bus::Body::Slices, sending.id, static_cast<std::uint32_t>(sending.next_slice),
+                static_cast<std::uint32_t>(kept(sending.volume).nz)};
+    }
+    if (import_) {
+        return {bus::Body::ImportVolume};
     }
     return {requests_.empty() ? bus::Body::NONE : requests_.front().kind()};
 }
 
 bool IoNode::work(bus::Outbox& out) {
-    if (sending_) {
-        send_slices(out);
+    if (import_) {
+        work_on_import(out);
     } else if (!requests_.empty()) {
         const bus::Message request = std::move(requests_.front());
         requests_.pop_front();
@@ -155,7 +159,8 @@ bool IoNode::work(bus::Outbox& out) {
             confine(needs_of(request, allowed_));
         }
         if (request.kind() == bus::Body::ImportVolume) {
-            begin_import(request, out);
+            begin_import(request);
+            work_on_import(out);
         } else if (request.kind() == bus::Body::ExportMesh) {
             send_all(export_mesh(*request.as<schema::ExportMesh>()), request.source(), out);
         } else if (request.kind() == bus::Body::ReadMesh) {
@@ -167,38 +172,62 @@ bool IoNode::work(bus::Outbox& out) {
                      bus::pack(export_picture(*request.as<schema::ExportPicture>())));
         }
     }
-    return sending_ || !requests_.empty();
+    return import_ || !requests_.empty();
 }
 
-void IoNode::begin_import(const bus::Message& request, bus::Outbox& out) {
-    assert(!sending_);
-    try {
-        ImportRequest wish = request_of(*request.as<schema::ImportVolume>());
-        wish.allowed = allowed_;
-        Volume volume = import_volume(wish);
-        sending_ = Sending{request.source(), volumes_++, std::move(volume), 0};
-        out.send(sending_->to, volume_header(sending_->volume, sending_->id));
-    } catch (const ImportError& error) {
-        out.send(request.source(), failure(error.what(), true));
+void IoNode::begin_import(const bus::Message& request) {
+    assert(!import_);
+    const auto& wish = *request.as<schema::ImportVolume>();
+    ImportRequest import = request_of(wish);
+    import.allowed = allowed_;
+    const std::uint32_t last = std::max(import.frame, 1U) + wish.volumes() - 1;
+    import_ = Import{request.source(), Importer(std::move(import)), wish.frame(), last, {}};
+}
+
+void IoNode::work_on_import(bus::Outbox& out) {
+    if (import_->sending) {
+        send_slices(out);
+        return;
     }
+    try {
+        begin_volume(out);
+    } catch (const ImportError& error) {
+        out.send(import_->to, failure(error.what(), true));
+        import_.reset();
+    }
+}
+
+void IoNode::begin_volume(bus::Outbox& out) {
+    Import& import = *import_;
+    const bool later_follow = std::max(import.frame, 1U) < import.last_frame;
+    Volume volume = import.importer.read(import.frame, later_follow);
+    import.last_frame = std::min(import.last_frame, static_cast<std::uint32_t>(volume.frames));
+    import.sending = Sending{volumes_++, std::move(volume), 0};
+    out.send(import.to, volume_header(import.sending->volume, import.sending->id));
 }
 
 void IoNode::send_slices(bus::Outbox& out) {
-    const Volume& volume = kept(sending_->volume);
-    const int left = volume.nz - sending_->next_slice;
+    Sending& sending = *import_->sending;
+    const Volume& volume = kept(sending.volume);
+    const int left = volume.nz - sending.next_slice;
     const int count = std::min(left, slices_per_batch(volume));
-    out.send(sending_->to, slices_message(volume, sending_->id, sending_->next_slice, count));
-    const auto first = static_cast<std::size_t>(sending_->next_slice);
-    if (!sending_->volume.reduced) {
-        give_back(sending_->volume.values, first * slice_bytes(volume),
+    out.send(import_->to, slices_message(volume, sending.id, sending.next_slice, count));
+    const auto first = static_cast<std::size_t>(sending.next_slice);
+    if (!sending.volume.reduced) {
+        give_back(sending.volume.values, first * slice_bytes(volume),
                   (first + static_cast<std::size_t>(count)) * slice_bytes(volume));
     }
-    sending_->next_slice += count;
-    if (sending_->next_slice == volume.nz) {
-        schema::VolumeEndT end;
-        end.volume = sending_->id;
-        out.send(sending_->to, bus::pack(end));
-        sending_.reset();
+    sending.next_slice += count;
+    if (sending.next_slice < volume.nz) {
+        return;
+    }
+    schema::VolumeEndT end;
+    end.volume = sending.id;
+    out.send(import_->to, bus::pack(end));
+    import_->frame = static_cast<std::uint32_t>(sending.volume.frame) + 1;
+    import_->sending.reset();
+    if (import_->frame > import_->last_frame) {
+        import_.reset();
     }
 }
 

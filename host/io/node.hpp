@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "host/io/import.hpp"
 #include "host/io/limits.hpp"
 #include "host/volume/volume.hpp"
 #include "ringbus/node.hpp"
@@ -40,13 +41,21 @@ class IoNode final : public bus::Node {
   private:
     /// A volume on its way out.
     struct Sending {
-        bus::NodeId to = 0;
         std::uint32_t id = 0;
         Volume volume;
         int next_slice = 0;
     };
+    /// A request for volumes.
+    struct Import {
+        bus::NodeId to = 0;
+        Importer importer;
+        std::uint32_t frame = 0, last_frame = 0;  ///< The next volume, and the last one.
+        std::optional<Sending> sending;
+    };
 
-    void begin_import(const bus::Message& request, bus::Outbox& out);
+    void begin_import(const bus::Message& request);
+    void work_on_import(bus::Outbox& out);
+    void begin_volume(bus::Outbox& out);
     void send_slices(bus::Outbox& out);
 
     Limits limits_;
@@ -54,7 +63,7 @@ class IoNode final : public bus::Node {
     bool confines_;
     bool has_request_ = false;
     std::deque<bus::Message> requests_;
-    std::optional<Sending> sending_;
+    std::optional<Import> import_;
     std::uint32_t volumes_ = 0;
 };
 

@@ -52,7 +52,7 @@ MemoryLack memory_lack(const std::optional<MemoryKills>& before,
     return after->is_own ? MemoryLack::found : MemoryLack::perhaps;
 }
 
-RequestError error_of(const IoDeath& io) {
+IoFailure error_of(const IoDeath& io) {
     const std::string place = fmt::format(" (log: {})", io.log.string());
     const std::string fact =
         fmt::format("{}: {}{}{}", io.file, io.death.text(), io.doing.empty() ? "" : " ", io.doing);

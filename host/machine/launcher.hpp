@@ -72,7 +72,7 @@ struct IoDeath {
 };
 
 /// The error names file, process, signal and work, and a cause only if the cause is known.
-RequestError error_of(const IoDeath& io);
+IoFailure error_of(const IoDeath& io);
 
 /// The address at which a process of this computer listens; `name` is its socket's.
 std::string bind_address(Transport transport, const SocketFolder& sockets, const std::string& name);
@@ -250,7 +250,7 @@ class Launcher {
     bool has_io_id(bus::NodeId id) const;
     bool has_io_index(int index) const;
     /// The error of an io process that has died.
-    RequestError io_error(const Death& death);
+    IoFailure io_error(const Death& death);
     void drop_prepared_io();
     /// Forgets io processes that have ended. Kills those that still run.
     void bury_dismissed();

@@ -154,7 +154,7 @@ void Launcher::check_health() {
         check_heartbeat();
     }
     if (io_death) {
-        const RequestError error = io_error(*io_death);
+        const IoFailure error = io_error(*io_death);
         io_.used->endpoint.clear();
         dismiss_io();
         throw error;

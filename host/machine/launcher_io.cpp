@@ -164,7 +164,7 @@ bool Launcher::was_dismissed(const Death& death) const {
 }
 
 /// Keeps the log, which the next io process of this name would overwrite.
-RequestError Launcher::io_error(const Death& death) {
+IoFailure Launcher::io_error(const Death& death) {
     const std::filesystem::path log = folder_ / (death.name + ".log");
     const std::filesystem::path kept =
         folder_ / fmt::format("{}.failed-{}.log", death.name, io_.started % max_kept_logs);

@@ -66,8 +66,8 @@ void IoRequests::take(const schema::IoDone& done) {
     outcome_.triangles = static_cast<std::int64_t>(done.triangles());
     outcome_.text = done.text() != nullptr ? done.text()->str() : "";
     if (!done.ok()) {
-        throw RequestError(done.bad_data() ? ExitCode::bad_data : ExitCode::failed,
-                           done.error() ? done.error()->str() : "input or output failed");
+        throw IoFailure(done.bad_data() ? ExitCode::bad_data : ExitCode::failed,
+                        done.error() ? done.error()->str() : "input or output failed");
     }
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/volume/volume_messages.hpp"
 
 namespace pxpl5::host {
 
@@ -20,6 +21,12 @@ int distance(int frame, const Volume& now) {
     return (frame - now.frame + now.frames) % now.frames;
 }
 
+bool is_alike(const Volume& next, const Volume& now) {
+    return next.nx == now.nx && next.ny == now.ny && next.nz == now.nz &&
+           next.frames == now.frames && next.voxel_to_patient == now.voxel_to_patient &&
+           next.slice_places == now.slice_places;
+}
+
 /// Throws RequestError (bad_data) unless `next` is volume `frame` of the series of `now`.
 void check_alike(const Volume& next, int frame, const Volume& now) {
     if (next.frame != frame) {
@@ -27,8 +34,7 @@ void check_alike(const Volume& next, int frame, const Volume& now) {
                            fmt::format("{}: volume {} of {} was wanted, volume {} of {} was read",
                                        now.source, frame, now.frames, next.frame, next.frames));
     }
-    if (next.nx == now.nx && next.ny == now.ny && next.nz == now.nz && next.frames == now.frames &&
-        next.voxel_to_patient == now.voxel_to_patient && next.slice_places == now.slice_places) {
+    if (is_alike(next, now)) {
         return;
     }
     throw RequestError(
@@ -61,44 +67,72 @@ void TimeSeries::show(int frame) {
     check_frame(now, frame);
     forget_others();
     loads_ = volumes_.loads();
-    Volume next = take(frame);
-    check_alike(next, frame, now);
-    keep(volumes_.exchange(std::move(next)));
-}
-
-TimeSeries::Kept TimeSeries::kept() const {
-    Kept kept{kept_.size(), 0};
-    for (const auto& [frame, volume] : kept_) {
-        kept.bytes += bytes_of(volume);
+    std::vector<Volume> read = take(frame);
+    check_alike(read.front(), frame, now);
+    keep(volumes_.exchange(std::move(read.front())));
+    for (std::size_t later = 1; later < read.size(); ++later) {
+        if (is_alike(read[later], volumes_.volume())) {
+            keep(std::move(read[later]));
+        }
     }
-    return kept;
 }
 
 void TimeSeries::forget_others() {
     if (loads_ != volumes_.loads() || !volumes_.has_volume()) {
         kept_.clear();
+        kept_bytes_ = 0;
     }
 }
 
-/// The volume, from memory or from its file. The process that reads the next one starts meanwhile.
-Volume TimeSeries::take(int frame) {
-    if (const auto found = kept_.extract(frame)) {
-        return std::move(found.mapped());
-    }
-    ImportOptions options = volumes_.options();
-    options.frame = static_cast<std::uint32_t>(frame);
-    Volume volume = volumes_.read(volumes_.volume().source, options);
-    volumes_.prepare_read();
-    return volume;
-}
-
-/// Keeps a volume that is no longer shown. Those that are due last go if there are too many.
-void TimeSeries::keep(Volume volume) {
-    kept_.insert_or_assign(volume.frame, std::move(volume));
+/// How many volumes from `frame` on one request reads: those that are not kept, up to the end of
+/// the series.
+int TimeSeries::count_to_read(int frame) const {
     const Volume& now = volumes_.volume();
-    while (!kept_.empty() && kept().bytes > max_kept_bytes) {
-        kept_.erase(std::ranges::max_element(
-            kept_, {}, [&](const auto& each) { return distance(each.first, now); }));
+    const std::size_t bytes = slice_bytes(now) * static_cast<std::size_t>(now.nz);
+    const int most = std::clamp(static_cast<int>(max_ahead_bytes / bytes), 1, max_ahead_volumes);
+    int count = 1;
+    for (int next = frame + 1;
+         count < most && next <= now.frames && next != now.frame && !kept_.contains(next); ++next) {
+        ++count;
+    }
+    return count;
+}
+
+/// The volume, from memory or from its file, and then those that were read with it. The process
+/// that reads the next ones starts meanwhile.
+std::vector<Volume> TimeSeries::take(int frame) {
+    std::vector<Volume> taken;
+    if (auto found = kept_.extract(frame)) {
+        kept_bytes_ -= bytes_of(found.mapped());
+        taken.push_back(std::move(found.mapped()));
+        return taken;
+    }
+    const int count = count_to_read(frame);
+    try {
+        taken = volumes_.read_of_series(frame, count);
+    } catch (const IoFailure&) {
+        if (count == 1) {
+            throw;
+        }
+        taken = volumes_.read_of_series(frame, 1);  // A later one may be the cause.
+    }
+    volumes_.prepare_read();
+    return taken;
+}
+
+/// Keeps a volume that is not shown. Those that are due last go if there are too many.
+void TimeSeries::keep(Volume volume) {
+    const std::size_t bytes = bytes_of(volume);
+    const int frame = volume.frame;
+    if (kept_.try_emplace(frame, std::move(volume)).second) {
+        kept_bytes_ += bytes;
+    }
+    const Volume& now = volumes_.volume();
+    while (!kept_.empty() && kept_bytes_ > max_kept_bytes) {
+        const auto last = std::ranges::max_element(
+            kept_, {}, [&](const auto& each) { return distance(each.first, now); });
+        kept_bytes_ -= bytes_of(last->second);
+        kept_.erase(last);
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <map>
+#include <vector>
 
 #include "host/session/volumes.hpp"
 
@@ -12,8 +13,14 @@ namespace pxpl5::host {
 /// million voxels fits.
 inline constexpr std::size_t max_kept_bytes = std::size_t{1} << 30;
 
-/// Shows one volume of a series after the other. Volumes that were shown are kept in memory, so
-/// that a second turn reads no file. If not all fit, those that come next are kept.
+/// Bytes and number of the volumes that one request reads: the wanted volume, whatever its size,
+/// and those that come next.
+inline constexpr std::size_t max_ahead_bytes = std::size_t{64} << 20;
+inline constexpr int max_ahead_volumes = 64;
+
+/// Shows one volume of a series after the other. Volumes that come next are read with the wanted
+/// one. All are kept in memory, so that a second turn reads no file; if not all fit, those that
+/// come next.
 class TimeSeries {
   public:
     struct Kept {
@@ -27,17 +34,19 @@ class TimeSeries {
     /// volume, and (bad_data) if it cannot be read, or differs in shape or place from the shown
     /// one, which then stays; otherwise as Volumes::exchange().
     void show(int frame);
-    Kept kept() const;
+    Kept kept() const { return {kept_.size(), kept_bytes_}; }
     /// Frees the kept volumes if another volume, or none, was loaded since.
     void forget_others();
 
   private:
-    Volume take(int frame);
+    int count_to_read(int frame) const;
+    std::vector<Volume> take(int frame);
     void keep(Volume volume);
 
     Volumes& volumes_;
     int loads_ = 0;               ///< Volumes::loads() of the series.
     std::map<int, Volume> kept_;  ///< By number in the series.
+    std::size_t kept_bytes_ = 0;
 };
 
 /// Throws RequestError (usage) if the series of the volume has no volume `frame`.

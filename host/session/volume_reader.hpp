@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "host/session/io_requests.hpp"
 #include "host/volume/volume_messages.hpp"
@@ -41,6 +42,11 @@ class VolumeReader {
     using OnSlices = std::function<void(Volume& volume, int slices)>;
     Volume read(const std::string& source, const ImportOptions& options,
                 const OnSlices& on_slices = {});
+    /// The complete volumes of a time series from `options.frame` on, as many as `options.volumes`
+    /// says or the series has, by one process that reads what they share once. One of a phantom.
+    /// Throws RequestError; IoFailure also if only a later volume cannot be read.
+    std::vector<Volume> read_several(const std::string& source, const ImportOptions& options,
+                                     const OnSlices& on_slices = {});
 
   private:
     Volume read_phantom(const std::string& source, int frame);
@@ -50,9 +56,9 @@ class VolumeReader {
     IoRequests& io_;
     const LoadSettings& settings_;
     std::optional<VolumeReceiver> receiver_;
-    std::optional<Volume> received_;
-    bool is_reading_ = false;  ///< A request for a volume is under way.
-    ImportOptions request_;    ///< The request under way.
+    std::vector<Volume> received_;
+    std::size_t wanted_ = 0;  ///< Volumes of the request under way; 0: there is none.
+    ImportOptions request_;   ///< The request under way.
 };
 
 }  // namespace pxpl5::host

@@ -42,6 +42,14 @@ Volume Volumes::read(const std::string& source, const ImportOptions& options) {
     return reader_.read(source, options);
 }
 
+std::vector<Volume> Volumes::read_of_series(int frame, int count) {
+    const Cancellable cancellable(conversation_.machine());
+    ImportOptions options = options_;
+    options.frame = static_cast<std::uint32_t>(frame);
+    options.volumes = static_cast<std::uint32_t>(count);
+    return reader_.read_several(volume().source, options);
+}
+
 /// A volume on its way to the GPs. It may still be read meanwhile.
 struct Volumes::Loading {
     std::string source;

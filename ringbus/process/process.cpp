@@ -108,7 +108,7 @@ void learn_ring(ZmqLink& link, const schema::Topology& topology) {
 
 /// Runs the handshake: Hello, Topology, Connected, Go. Appends messages that precede Go to `early`.
 /// Returns false after Shutdown or when the parent has ended. Throws what the node throws at
-/// Topology: without it, the node can do no work, and the host replaces a process that ends.
+/// Topology: without it, the node can do no work, and the host learns that the process has ended.
 bool join(ZmqLink& ring, Link& link, Node& node, LinkOutbox& out,
           const std::function<bool()>& alive, Pulse& pulse, std::deque<Message>& early) {
     while (true) {

@@ -50,6 +50,7 @@ void check(const ImportVolume& import) {
     triple("resample_spacing_mm", import.resample_spacing_mm(), min_spacing_mm, max_spacing_mm);
     triple("origin_mm", import.origin_mm(), -max_scene_mm, max_scene_mm);
     in("smooth_mm", import.smooth_mm(), 0, max_smooth_mm);
+    in("volumes", import.volumes(), 1, max_frames);
     require((import.crop_first() == nullptr) == (import.crop_size() == nullptr), "crop");
     if (const RawLayout* raw = import.raw()) {
         in("nx", raw->nx(), 1, max_volume_voxels);

@@ -84,6 +84,8 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ImportVolumeT, m.raw->ny = 0, "ny is 0");
         CHECK_REFUSED(ImportVolumeT, m.read = static_cast<ReadBy>(3), "read is 3");
         CHECK_REFUSED(ImportVolumeT, m.reduced_bytes = 0, "reduced_bytes is 0");
+        CHECK_REFUSED(ImportVolumeT, m.volumes = 0, "volumes is 0");
+        CHECK_REFUSED(ImportVolumeT, m.volumes = 1'000'001, "volumes is 1000001");
         CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->path = "scan.raw",
                       "path is absolute is false");
         CHECK_REFUSED(VolumeHeaderT, m.stored->files[0]->path += '\0', "has a zero byte is true");

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -101,17 +102,42 @@ void check_stored_header(const std::filesystem::path& path, StoredHeader& header
 /// A volume with the size, affine and findings of a header that has been checked; without values.
 Volume empty_volume(const std::filesystem::path& path, const StoredHeader& header);
 
-/// Decodes the values of a header that has been checked. Sets dims, affine, values and findings.
-/// Throws ImportError naming how many bytes or values there are and how many are needed.
-Volume read_stored_values(const std::filesystem::path& path, const StoredHeader& header);
+/// Reads the values of headers.
+class StoredReader {
+  public:
+    StoredReader();
+    ~StoredReader();
+    StoredReader(const StoredReader&) = delete;
+    StoredReader& operator=(const StoredReader&) = delete;
+
+    /// Decodes the values of a header of `path` that has been checked. Sets dims, affine, values
+    /// and findings. Throws ImportError naming how many bytes or values there are and how many are
+    /// needed.
+    ///
+    /// later_follow  A later volume of the same file will be read. Its compressed data are then
+    ///               decompressed from here on, and their checksum, which follows the last volume,
+    ///               is not checked yet.
+    Volume read(const std::filesystem::path& path, const StoredHeader& header,
+                bool later_follow = false);
+
+  private:
+    struct Open;
+    std::unique_ptr<Open> open(const std::filesystem::path& path, const StoredHeader& header,
+                               const std::filesystem::path& data);
+    static void skip_to_values(const std::string& file, const StoredHeader& header,
+                               const std::filesystem::path& data, std::uint64_t needed,
+                               Open& opened);
+
+    std::unique_ptr<Open> open_;  ///< The compressed file of the volume before.
+};
 
 /// Why GPs cannot read the values from their file: "its values are compressed". Empty if they can.
 std::string why_not_by_gps(const StoredHeader& header);
 
 /// Reads the values of a header that why_not_by_gps() has accepted, and keeps a reduced copy. Sets
-/// what read_stored_values() sets, the digest, the file, the reduction and the copy.
+/// what StoredReader::read() sets, the digest, the file, the reduction and the copy.
 /// reduced_bytes  Most bytes of the copy. If all values fit, `values` has them.
-/// Throws         ImportError as read_stored_values(), and if the file changes meanwhile.
+/// Throws         ImportError as StoredReader::read(), and if the file changes meanwhile.
 Volume scan_stored_values(const std::filesystem::path& path, const StoredHeader& header,
                           std::uint64_t reduced_bytes);
 

@@ -25,33 +25,6 @@ constexpr std::size_t max_word_chars = 400;  // The longest float64 written out 
 
 static_assert(std::endian::native == std::endian::little);
 
-/// Passes over what comes before the values.
-void skip_to_values(const std::string& file, const StoredHeader& header, const fs::path& data,
-                    const DataFile& opened, std::uint64_t offset, std::uint64_t needed,
-                    ByteSource& source) {
-    std::uint64_t skip = header.byte_skip + header.bytes_before();
-    if (header.at_end) {
-        const std::uint64_t all = header.encoding == Encoding::raw
-                                      ? opened.size_bytes() - std::min(opened.size_bytes(), offset)
-                                      : ByteSource(opened.path(), header.encoding, offset)
-                                            .skip(std::numeric_limits<std::uint64_t>::max());
-        const std::uint64_t volumes = header.frames * needed;
-        if (all < volumes) {
-            throw too_short(file, header, data, all);
-        }
-        skip = all - volumes + header.bytes_before();
-    }
-    const std::uint64_t skipped = source.skip(skip);
-    if (skipped < skip) {
-        throw ImportError(fmt::format(
-            "{}: {} after {} bytes{}, {} has {}{}", file,
-            header.frames > 1 ? fmt::format("volume {} of {} begins", header.frame, header.frames)
-                              : "values begin",
-            skip, is_compressed(header.encoding) ? ", decompressed" : "", data.filename().string(),
-            skipped, source.damage()));
-    }
-}
-
 void read_binary(const std::string& file, const StoredHeader& header, const fs::path& data,
                  std::uint64_t needed, ByteSource& source, ValueSink& sink) {
     std::vector<std::byte> chunk(std::min<std::uint64_t>(chunk_bytes, needed));
@@ -241,7 +214,65 @@ Volume empty_volume(const fs::path& path, const StoredHeader& header) {
     return volume;
 }
 
-Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
+/// A data file, and how far it has been read.
+struct StoredReader::Open {
+    Open(const fs::path& path, const fs::path& data, const StoredHeader& header)
+        : name(data),
+          file(path, data, header.allowed),
+          offset(header.line_skip == 0 ? header.offset_bytes
+                                       : offset_after_lines(data.string(), file.path(),
+                                                            header.offset_bytes, header.line_skip)),
+          source(file.path(), header.encoding, offset) {}
+
+    fs::path name;
+    DataFile file;
+    std::uint64_t offset;  ///< The first byte of `source` in the file.
+    ByteSource source;
+    std::uint64_t passed = 0;  ///< Bytes that `source` has given.
+};
+
+StoredReader::StoredReader() = default;
+StoredReader::~StoredReader() = default;
+
+/// The data file, from where the volume before ended if that lies before the wanted one.
+std::unique_ptr<StoredReader::Open> StoredReader::open(const fs::path& path,
+                                                       const StoredHeader& header,
+                                                       const fs::path& data) {
+    std::unique_ptr<Open> last = std::move(open_);
+    const bool goes_on = last && last->name == data && !header.at_end &&
+                         header.byte_skip + header.bytes_before() >= last->passed;
+    return goes_on ? std::move(last) : std::make_unique<Open>(path, data, header);
+}
+
+/// Passes over what comes before the values.
+void StoredReader::skip_to_values(const std::string& file, const StoredHeader& header,
+                                  const fs::path& data, std::uint64_t needed, Open& opened) {
+    std::uint64_t skip = header.byte_skip + header.bytes_before();
+    if (header.at_end) {
+        const std::uint64_t file_bytes = opened.file.size_bytes();
+        const std::uint64_t all =
+            header.encoding == Encoding::raw
+                ? file_bytes - std::min(file_bytes, opened.offset)
+                : ByteSource(opened.file.path(), header.encoding, opened.offset)
+                      .skip(std::numeric_limits<std::uint64_t>::max());
+        const std::uint64_t volumes = header.frames * needed;
+        if (all < volumes) {
+            throw too_short(file, header, data, all);
+        }
+        skip = all - volumes + header.bytes_before();
+    }
+    opened.passed += opened.source.skip(skip - opened.passed);
+    if (opened.passed < skip) {
+        throw ImportError(fmt::format(
+            "{}: {} after {} bytes{}, {} has {}{}", file,
+            header.frames > 1 ? fmt::format("volume {} of {} begins", header.frame, header.frames)
+                              : "values begin",
+            skip, is_compressed(header.encoding) ? ", decompressed" : "", data.filename().string(),
+            opened.passed, opened.source.damage()));
+    }
+}
+
+Volume StoredReader::read(const fs::path& path, const StoredHeader& header, bool later_follow) {
     const std::string file = path.string();
     check_volume_bytes(file, fmt::format("{} of {}", join_sizes(header.sizes), header.type),
                        needed_bytes(header));
@@ -250,20 +281,21 @@ Volume read_stored_values(const fs::path& path, const StoredHeader& header) {
     const std::size_t size = component_bytes(header.component);
     ValueSink sink(needed / size);
     for (const fs::path& data : header.data_files) {
-        const DataFile opened(path, data, header.allowed);
-        const std::uint64_t offset =
-            header.line_skip == 0 ? header.offset_bytes
-                                  : offset_after_lines(data.string(), opened.path(),
-                                                       header.offset_bytes, header.line_skip);
-        ByteSource source(opened.path(), header.encoding, offset);
+        std::unique_ptr<Open> opened = open(path, header, data);
         if (header.encoding == Encoding::ascii) {
-            read_ascii(file, header, share / size, source, sink);
+            read_ascii(file, header, share / size, opened->source, sink);
             continue;
         }
-        skip_to_values(file, header, data, opened, offset, share, source);
-        read_binary(file, header, data, share, source, sink);
-        if (is_compressed(header.encoding)) {
-            check_end(file, header, data, source, volume);
+        skip_to_values(file, header, data, share, *opened);
+        read_binary(file, header, data, share, opened->source, sink);
+        opened->passed += share;
+        if (!is_compressed(header.encoding)) {
+            continue;
+        }
+        if (later_follow && header.frame < header.frames && header.data_files.size() == 1) {
+            open_ = std::move(opened);
+        } else {
+            check_end(file, header, data, opened->source, volume);
         }
     }
     sink.finish(file, volume);

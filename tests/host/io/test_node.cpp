@@ -102,6 +102,43 @@ TEST_SUITE("host/io/node") {
         CHECK(got[4].as<schema::VolumeEnd>()->volume() == header->volume());
     }
 
+    TEST_CASE("volumes of a series follow each other, up to the end of the series") {
+        const TemporaryFolder folder;
+        const std::string head =
+            "ObjectType = Image\nNDims = 4\nDimSize = 2 2 2 4\n"
+            "ElementSpacing = 1 1 1 1\nElementType = MET_UCHAR\n"
+            "ElementDataFile = LOCAL\n";
+        schema::ImportVolumeT request;
+        request.path = folder.write("beat.mha", head + "aaaaaaaabbbbbbbbccccccccdddddddd");
+        request.frame = 2;
+        request.volumes = 2;
+        IoNode node({0, 0});
+        std::vector<bus::Message> got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 6);
+        for (std::size_t volume = 0; volume < 2; ++volume) {
+            const auto* header = got[3 * volume].as<schema::VolumeHeader>();
+            const auto* slices = got[3 * volume + 1].as<schema::Slices>();
+            const auto* end = got[3 * volume + 2].as<schema::VolumeEnd>();
+            REQUIRE((header != nullptr && slices != nullptr && end != nullptr));
+            CHECK(header->frame() == volume + 2);
+            CHECK(header->frames() == 4);
+            CHECK(slices->volume() == header->volume());
+            CHECK(slices->values()->Get(0) == 'b' + volume);
+            CHECK(end->volume() == header->volume());
+        }
+        CHECK(got[0].as<schema::VolumeHeader>()->volume() !=
+              got[3].as<schema::VolumeHeader>()->volume());
+        request.volumes = 100;
+        CHECK(answers_to(node, bus::pack(request)).size() == 9);
+        request.path = folder.write("cut.mha", head + "aaaaaaaabbbbbbbbcccccccc");
+        got = answers_to(node, bus::pack(request));
+        REQUIRE(got.size() == 7);  // Volumes 2 and 3.
+        REQUIRE(got[6].as<schema::IoDone>() != nullptr);
+        CHECK(!got[6].as<schema::IoDone>()->ok());
+        CHECK(got[6].as<schema::IoDone>()->error()->str().find("volume 4 of 4") !=
+              std::string::npos);
+    }
+
     TEST_CASE("an archive is answered by its content, in the millimeters of its picture") {
         const TemporaryFolder folder;
         schema::ReadArchiveT request;

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <deque>
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ class UnsoundMachine final : public MachinePort {
                 continue;
             }
             if (!is_asked_ || answers.empty()) {
-                throw RequestError(ExitCode::failed, "no answer is left");
+                throw MachineError(1, "no answer is left");
             }
             const bus::Payload answer = answers.front();
             answers.pop_front();
@@ -72,6 +73,26 @@ schema::VolumeHeaderT whole_header() {
     return header;
 }
 
+/// The messages of volumes of a series of three, by their numbers.
+std::deque<bus::Payload> volumes_of(const std::vector<std::uint32_t>& frames) {
+    std::deque<bus::Payload> messages;
+    schema::VolumeHeaderT header = whole_header();
+    header.frames = 3;
+    schema::SlicesT slices;
+    slices.volume = header.volume;
+    slices.slice_count = header.nz;
+    slices.values.resize(std::size_t{4} * header.nx * header.ny * header.nz);
+    schema::VolumeEndT end;
+    end.volume = header.volume;
+    for (const std::uint32_t frame : frames) {
+        header.frame = frame;
+        messages.push_back(bus::pack(header));
+        messages.push_back(bus::pack(slices));
+        messages.push_back(bus::pack(end));
+    }
+    return messages;
+}
+
 }  // namespace
 
 TEST_SUITE("host/session/unsound_io") {
@@ -84,6 +105,51 @@ TEST_SUITE("host/session/unsound_io") {
         CHECK_THROWS_WITH_AS(session.volumes.load("scan.nrrd"),
                              "the io process announced a volume that was not due", RequestError);
         CHECK(machine.released == 1);
+    }
+
+    TEST_CASE("of several volumes, no more are taken than were asked for or the series has") {
+        UnsoundMachine machine;
+        Session session(machine);
+        VolumeReader reader(session.conversation, session.io, session.load_settings);
+        ImportOptions options;
+        options.volumes = 3;
+        machine.answers = volumes_of({1, 2, 3, 1});
+        CHECK(reader.read_several("scan.nrrd", options).size() == 3);
+        CHECK(machine.answers.size() == 3);
+        machine.answers = volumes_of({2, 3, 1});
+        const std::vector<Volume> rest = reader.read_several("scan.nrrd", options);
+        REQUIRE(rest.size() == 2);
+        CHECK(machine.answers.size() == 3);
+        CHECK(rest[1].frame == 3);
+        CHECK(rest[1].source == std::filesystem::absolute("scan.nrrd").string());
+        CHECK(machine.released == 2);
+    }
+
+    TEST_CASE("several volumes that do not follow each other end the request") {
+        UnsoundMachine machine;
+        Session session(machine);
+        VolumeReader reader(session.conversation, session.io, session.load_settings);
+        ImportOptions options;
+        options.volumes = 3;
+        machine.answers = volumes_of({1, 3});
+        CHECK_THROWS_WITH_AS(reader.read_several("scan.nrrd", options),
+                             doctest::Contains("volume 3 of 3 with 4 x 5 x 6 voxels follows volume "
+                                               "1 of 3"),
+                             IoFailure);
+        machine.answers = volumes_of({1});
+        schema::VolumeHeaderT larger = whole_header();
+        larger.frames = 3;
+        larger.frame = 2;
+        larger.nz *= 2;
+        machine.answers.push_back(bus::pack(larger));
+        CHECK_THROWS_WITH_AS(reader.read_several("scan.nrrd", options),
+                             doctest::Contains("volume 2 of 3 with 4 x 5 x 12 voxels follows"),
+                             IoFailure);
+        schema::IoDoneT broken;
+        broken.error = "broken";
+        machine.answers = volumes_of({1, 2});
+        machine.answers.push_back(bus::pack(broken));
+        CHECK_THROWS_WITH_AS(reader.read_several("scan.nrrd", options), "broken", IoFailure);
     }
 
     TEST_CASE("a data file that was not due ends the request") {

@@ -78,6 +78,7 @@ std::vector<Payload> volume_examples() {
     import.resample_size = {20, 22, 24};
     import.smooth_mm = 0.5;
     import.frame = 3;
+    import.volumes = 2;
     import.orientation = "RAI";
     import.origin_mm = {-10, 20, 30.5};
     schema::SlicesT slices;

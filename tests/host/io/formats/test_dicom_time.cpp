@@ -81,6 +81,20 @@ void check_series(const std::string& path, const std::string& told_by, double fr
         ImportError);
 }
 
+/// The volumes are read in turn, and the headers of the folder only with the first of them.
+void check_turn(const TemporaryFolder& folder) {
+    ImportRequest request;
+    request.path = folder.file("");
+    Importer importer(request);
+    CHECK(values_of(importer.read(1, true)) == expected(1));
+    DicomSet other = slice(4, 0);
+    other.text(0x20, 0x13, "IS", "99");
+    folder.write("IM99", other.file());
+    CHECK(values_of(importer.read(3, true)) == expected(3));
+    CHECK(values_of(importer.read(2)) == expected(2));
+    CHECK(read_frame(folder.file(""), 0).frames == 1);  // Which now has a slice more.
+}
+
 /// One volume: at each place that of the lowest instance number, and the others are named.
 void check_copies(const std::string& why, const TellTime& tell) {
     CAPTURE(why);
@@ -154,6 +168,12 @@ TEST_SUITE("host/io/dicom_time") {
         check_told("Acquisition Number", 0, [](DicomSet& set, int frame, int) {
             set.text(0x20, 0x12, "IS", "+" + std::to_string(10 * frame));
         });
+    }
+
+    TEST_CASE("volumes that are read in turn share the headers of their files") {
+        const TemporaryFolder folder;
+        write_series(folder, [](DicomSet& set, int frame, int) { trigger(set, 40.0 * frame); });
+        check_turn(folder);
     }
 
     TEST_CASE("a number in time counts more than a clock, which still tells the step") {

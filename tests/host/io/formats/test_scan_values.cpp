@@ -85,7 +85,7 @@ TEST_CASE("the scan finds type, range, values and findings of the import, for ev
                 CAPTURE(big_endian);
                 CAPTURE(scale.slope);
                 CAPTURE(scale.intercept);
-                const Volume whole = read_stored_values(path, header);
+                const Volume whole = StoredReader().read(path, header);
                 const Volume scanned = scan_stored_values(path, header, all_bytes);
                 CHECK(scanned.type == whole.type);
                 CHECK(scanned.minimum == whole.minimum);
@@ -119,7 +119,7 @@ TEST_CASE("the reduced copy has every n-th voxel, and the least n with which it 
     const Scratch scratch;
     const fs::path path = scratch.folder / "values.raw";
     const StoredHeader header = written(path, Component::int16, false, {});
-    const Volume whole = read_stored_values(path, header);
+    const Volume whole = StoredReader().read(path, header);
     const Volume scanned = scan_stored_values(path, header, 2 * 2 * 2 * 2);
     CHECK(scanned.reduction == 3);
     CHECK(scanned.values.empty());
@@ -204,7 +204,7 @@ TEST_CASE("values in several files have the same bits, if each has whole slices"
     const Scratch scratch;
     const fs::path path = scratch.folder / "values.raw";
     StoredHeader header = written(path, Component::int16, true, {0.5, 3});
-    const Volume whole = read_stored_values(path, header);
+    const Volume whole = StoredReader().read(path, header);
     header.data_files.clear();
     for (const int part : {0, 1, 2}) {
         const fs::path file = scratch.folder / ("part" + std::to_string(part));

@@ -3,6 +3,8 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <fstream>
+#include <random>
 
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/import.hpp"
@@ -76,6 +78,22 @@ void check_frames(const std::string& path, const std::string& axes = "4x3x2x3") 
             return finding.text.find("more") != std::string::npos;  // Bytes than are stated.
         }));
     }
+    std::size_t next = 2;
+    for (const Volume& volume : read_in_turn(path, 2, frames)) {
+        CAPTURE(next);
+        CHECK(volume.frame == static_cast<int>(next));
+        CHECK(holds(volume, values_of(next++)));
+    }
+}
+
+/// Bytes that this process has read so far.
+std::uint64_t bytes_read() {
+    std::ifstream counts("/proc/self/io");
+    std::string name;
+    std::uint64_t bytes = 0;
+    counts >> name >> bytes;
+    REQUIRE(name == "rchar:");
+    return bytes;
 }
 
 std::string bzipped(std::string bytes) {
@@ -113,6 +131,39 @@ TEST_SUITE("host/io/time series") {
         const TemporaryFolder folder;
         check_frames(folder.write("v.nii", nifti()));
         check_frames(folder.write("v.nii.gz", gzipped(folder, nifti())));
+    }
+
+    TEST_CASE("compressed volumes that are read in turn are decompressed once") {
+        const TemporaryFolder folder;
+        constexpr std::uint16_t count = 12, side = 64;
+        Grid grid = series();
+        grid.dims = {side, side, 2};
+        grid.values.resize(std::size_t{count} * side * side * 2);
+        std::minstd_rand noise(1);
+        std::ranges::generate(grid.values, [&] { return static_cast<std::int16_t>(noise()); });
+        NiftiHeader header = nifti1_header(grid);
+        header.put_dims({4, side, side, 2, count, 1, 1, 1});
+        const std::string whole = gzipped(folder, header.bytes() + bytes_of(grid.values));
+        REQUIRE(whole.size() > std::size_t{count} * side * side * 2);
+        const std::string path = folder.write("v.nii.gz", whole);
+        std::uint64_t before = bytes_read();
+        const std::vector<Volume> turn = read_in_turn(path, 1, count);
+        const std::uint64_t in_turn = bytes_read() - before;
+        before = bytes_read();
+        for (std::uint32_t frame = 1; frame <= count; ++frame) {
+            CHECK(read_frame(path, frame).values == turn[frame - 1].values);
+        }
+        CHECK(3 * in_turn < bytes_read() - before);
+        std::string damaged = whole;
+        damaged[damaged.size() - 6] ^= 1;  // In the checksum, which follows the last volume.
+        ImportRequest request;
+        request.path = folder.write("damaged.nii.gz", damaged);
+        Importer importer(request);
+        CHECK(importer.read(1, true).values == turn[0].values);
+        CHECK(importer.read(3, true).values == turn[2].values);
+        CHECK(importer.read(2, true).values == turn[1].values);  // From the beginning again.
+        CHECK_THROWS_WITH_AS(importer.read(count), doctest::Contains("the checksum is"),
+                             ImportError);
     }
 
     TEST_CASE("MGH, compressed or not") {

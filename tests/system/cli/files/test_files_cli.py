@@ -243,8 +243,8 @@ class Files(unittest.TestCase):
         path.write_bytes(bytes(header) + values)
         return path
 
-    def test_a_second_turn_of_a_series_reads_no_file(self):
-        path = self.write_series()
+    def start_prompt(self):
+        """A running program, and a function that gives it a line and returns the result."""
         process = subprocess.Popen(
             [BIN / "pxpl5", "run", "--json", "--topology", "one-of-each", "--run-folder",
              self.path("run"), "-"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
@@ -258,6 +258,24 @@ class Files(unittest.TestCase):
             self.assertTrue(answer["ok"], answer)
             return answer["result"]
 
+        return process, ask
+
+    def test_volumes_that_come_next_are_read_with_the_wanted_one(self):
+        path = self.write_series()
+        process, ask = self.start_prompt()
+        ask("load beat.nii")
+        ask("surface wall iso=42")
+        alone = [ask(line)["frame"] for line in ("time 4", "digest")]
+        self.assertEqual(ask("time 2")["kept"], 3)  # 1 and 4, which were shown, and 3.
+        path.unlink()
+        ask("time 3")
+        self.assertEqual([ask(line)["frame"] for line in ("time 4", "digest")], alone)
+        process.stdin.close()
+        self.assertEqual(process.wait(LIMIT_S), 0)
+
+    def test_a_second_turn_of_a_series_reads_no_file(self):
+        path = self.write_series()
+        process, ask = self.start_prompt()
         ask("load beat.nii")
         ask("surface wall iso=42")
         first = [ask(line)["frame"] for number in range(1, 5)
