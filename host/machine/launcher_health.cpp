@@ -176,7 +176,7 @@ void Launcher::check_heartbeat() {
             drop_prepared_io();
         } else if (io_.used && io_.used->name() == found.name) {
             kill_io();
-            throw RequestError(
+            throw IoFailure(
                 ExitCode::failed,
                 fmt::format("{}: {}. The host has ended this process: repeat the command{}", work_,
                             found.text,

@@ -81,6 +81,7 @@ void TimeSeries::forget_others() {
     if (loads_ != volumes_.loads() || !volumes_.has_volume()) {
         kept_.clear();
         kept_bytes_ = 0;
+        reads_ahead_ = true;
     }
 }
 
@@ -89,7 +90,13 @@ void TimeSeries::forget_others() {
 int TimeSeries::count_to_read(int frame) const {
     const Volume& now = volumes_.volume();
     const std::size_t bytes = slice_bytes(now) * static_cast<std::size_t>(now.nz);
-    const int most = std::clamp(static_cast<int>(max_ahead_bytes / bytes), 1, max_ahead_volumes);
+    const ImportOptions& options = volumes_.options();
+    const bool is_larger_in_file = !options.crop_size.empty() || !options.resample_size.empty() ||
+                                   !options.resample_spacing_mm.empty();
+    const int most =
+        !reads_ahead_ || is_larger_in_file
+            ? 1
+            : std::clamp(static_cast<int>(max_ahead_bytes / bytes), 1, max_ahead_volumes);
     int count = 1;
     for (int next = frame + 1;
          count < most && next <= now.frames && next != now.frame && !kept_.contains(next); ++next) {
@@ -114,7 +121,8 @@ std::vector<Volume> TimeSeries::take(int frame) {
         if (count == 1) {
             throw;
         }
-        taken = volumes_.read_of_series(frame, 1);  // A later one may be the cause.
+        reads_ahead_ = false;  // A later one may be the cause, and would be again.
+        taken = volumes_.read_of_series(frame, 1);
     }
     volumes_.prepare_read();
     return taken;

@@ -47,6 +47,7 @@ class TimeSeries {
     int loads_ = 0;               ///< Volumes::loads() of the series.
     std::map<int, Volume> kept_;  ///< By number in the series.
     std::size_t kept_bytes_ = 0;
+    bool reads_ahead_ = true;  ///< False after a volume of the series could not be read.
 };
 
 /// Throws RequestError (usage) if the series of the volume has no volume `frame`.

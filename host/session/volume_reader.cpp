@@ -30,16 +30,19 @@ bool is_plain(const ImportOptions& options) {
 /// Throws RequestError (bad_data) unless `next` follows the volumes of its series.
 void check_next(const Volume& next, const std::vector<Volume>& before) {
     const Volume& last = before.back();
-    const std::uint64_t bytes = slice_bytes(next) * static_cast<std::size_t>(next.nz);
+    std::uint64_t bytes = slice_bytes(next) * static_cast<std::size_t>(next.nz);
+    for (const Volume& volume : before) {
+        bytes += volume.values.size();
+    }
     if (next.frame != last.frame + 1 || next.frames != last.frames || next.nx != last.nx ||
-        next.ny != last.ny || next.nz != last.nz || next.type != last.type ||
-        bytes * (before.size() + 1) > max_volume_bytes) {
+        next.ny != last.ny || next.nz != last.nz || bytes > max_volume_bytes) {
         throw IoFailure(
             ExitCode::bad_data,
             fmt::format("{}: volume {} of {} with {} x {} x {} voxels follows volume {} of {} with "
-                        "{} x {} x {}, after {} volumes of at most {} bytes",
+                        "{} x {} x {}. The {} volumes have {} bytes, at most {} are possible",
                         last.source, next.frame, next.frames, next.nx, next.ny, next.nz, last.frame,
-                        last.frames, last.nx, last.ny, last.nz, before.size(), max_volume_bytes));
+                        last.frames, last.nx, last.ny, last.nz, before.size() + 1, bytes,
+                        max_volume_bytes));
     }
 }
 

@@ -43,7 +43,7 @@ Volume Volumes::read(const std::string& source, const ImportOptions& options) {
 }
 
 std::vector<Volume> Volumes::read_of_series(int frame, int count) {
-    const Cancellable cancellable(conversation_.machine());
+    const Conversation::Cancelable cancelable(conversation_);
     ImportOptions options = options_;
     options.frame = static_cast<std::uint32_t>(frame);
     options.volumes = static_cast<std::uint32_t>(count);

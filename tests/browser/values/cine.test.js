@@ -48,6 +48,8 @@ test('it plays each volume once, in order, and stops where it ends', async () =>
   await byId('cine-loop').uncheck();
   await byId('cine-rate').selectOption('fast');
   const before = (await settled(page)).frames;
+  const uploads = () => page.evaluate(() => globalThis.pxpl5.warp.uploads);
+  const uploadsBefore = await uploads();
   await byId('cine-number').evaluate(number => {
     globalThis.told = [];
     new MutationObserver(() => globalThis.told.push(number.textContent))
@@ -60,6 +62,7 @@ test('it plays each volume once, in order, and stops where it ends', async () =>
   assert.deepEqual(told, Array.from({ length: FRAMES - 1 }, (_, k) => `${k + 2} / ${FRAMES}`));
   const { frames } = await settled(page);
   assert.ok(frames - before >= FRAMES - 1, `${frames - before} pictures`);
+  assert.ok(await uploads() > uploadsBefore, 'WebGL does not have the picture at rest');
   await shows(1, () => byId('undo').click());
 });
 

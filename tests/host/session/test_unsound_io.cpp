@@ -140,10 +140,10 @@ TEST_SUITE("host/session/unsound_io") {
         schema::VolumeHeaderT larger = whole_header();
         larger.frames = 3;
         larger.frame = 2;
-        larger.nz *= 2;
+        larger.nx *= 2;
         machine.answers.push_back(bus::pack(larger));
         CHECK_THROWS_WITH_AS(reader.read_several("scan.nrrd", options),
-                             doctest::Contains("volume 2 of 3 with 4 x 5 x 12 voxels follows"),
+                             doctest::Contains("volume 2 of 3 with 8 x 5 x 6 voxels follows"),
                              IoFailure);
         schema::IoDoneT broken;
         broken.error = "broken";

@@ -44,6 +44,20 @@ async function decoded(type, data) {
 }
 
 /**
+ * A frame as a bitmap, which the caller closes. A picture that is drawn in parts is no VideoFrame:
+ * each drawing would convert all of it.
+ * @param {import('../link/connection.js').Frame} frame
+ * @param {Promise<VideoFrame | null> | null} video  The picture of a video frame.
+ * @returns {Promise<Bitmap | null>}
+ */
+export async function bitmapOf(frame, video) {
+  const {kind, layers, views} = frame.header;
+  const bitmap = kind === 'vp8' ? await video : await bitmapOfFile(frame);
+  return bitmap && 'displayWidth' in bitmap && (layers > 1 || views > 1)
+    ? createImageBitmap(bitmap).finally(() => bitmap.close()) : bitmap;
+}
+
+/**
  * The opacities of the layers of a picture, the layer behind first.
  * @param {{layers: number, opacity: number}} header  Opacity in sixteenths.
  */

@@ -1,6 +1,6 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
-import {bitmapOfFile, paintFrame} from './bitmaps.js';
+import {bitmapOf, paintFrame} from './bitmaps.js';
 import {cameraAt} from './camera.js';
 import {Cameras} from './cameras.js';
 import {eyesOf} from './eyes.js';
@@ -301,8 +301,7 @@ export class PictureView {
    */
   async decode_(frame, video) {
     const {header} = frame;
-    const [bitmap, leans] = await Promise.all([
-      header.kind === 'vp8' ? video : bitmapOfFile(frame),
+    const [bitmap, leans] = await Promise.all([bitmapOf(frame, video),
       this.warp?.unpack(frame) ?? null]);
     if (!bitmap) {
       return;

@@ -45,6 +45,7 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  * Figures for the tests and the machine panel. Times are those of performance.now().
  * @typedef {object} WarpFigures
  * @property {number} draws              Warped pictures since the page was opened.
+ * @property {number} uploads            Pictures that WebGL has got since then.
  * @property {boolean} ready             Whether the newest picture can be warped.
  * @property {boolean} warped            Whether a warped picture is on the screen.
  * @property {View | null} view          The view on the screen.
@@ -98,12 +99,8 @@ export class Warp {
     this.isOn_ = new URL(location.href).searchParams.get('warp') !== 'off';
     /** @private @type {Source | null} */
     this.source_ = null;
-    /**
-     * The picture of the source, until the painter has it. A picture that is not warped does not
-     * go there, for example while an isovalue moves or a time series plays.
-     * @private
-     * @type {{bitmap: Bitmap, leans: LeanDepths[], isShared: boolean} | null}
-     */
+    /** @private The picture of the source, if the painter does not need it yet.
+     * @type {{bitmap: Bitmap, leans: LeanDepths[], isShared: boolean} | null} */
     this.pending_ = null;
     /** @private Camera of the picture below. @type {CameraState | null} */
     this.shown_ = null;
@@ -114,7 +111,7 @@ export class Warp {
     /** @private @type {{view: View, at: number}[]} */
     this.views_ = [];
     /** @type {WarpFigures} */
-    this.figures = {draws: 0, ready: false, warped: false, view: null, pointer_ms: [],
+    this.figures = {draws: 0, uploads: 0, ready: false, warped: false, view: null, pointer_ms: [],
       picture_age_ms: []};
 
     connection.on('hello', () => this.ask_());
@@ -192,9 +189,6 @@ export class Warp {
     if (leans && camera && this.painter_) {
       this.drop_();
       this.pending_ = {bitmap, leans, isShared: true};
-      if (rests) {
-        this.upload_();  // The first move of a turn finds it there.
-      }
       const opacities = opacitiesOf({layers, opacity});
       this.source_ = {camera, stereo: views === 1 ? {...stereo, mode: 'off'} : stereo, width,
         height, revision, opacities, seenAt, isBelow};
@@ -202,6 +196,9 @@ export class Warp {
       this.source_ = {...before, seenAt, isBelow};  // The moving picture had depths: it had layers.
     } else {
       this.drop_();
+    }
+    if (this.picture_.header?.rests) {
+      this.upload_();  // The first move of a turn finds it there.
     }
     if (!this.draw_() && seenAt > 0) {
       const age = performance.now() - seenAt;
@@ -221,11 +218,20 @@ export class Warp {
     }
   }
 
-  /** Gives the painter the picture of the source, if it does not have it. @private */
+  /** Gives the painter the picture of the source. @private @returns {boolean} if it has it */
   upload_() {
     const {pending_: pending, painter_: painter} = this;
-    if (pending && painter) {
-      painter.take(pending.bitmap, pending.leans);
+    try {
+      if (pending && painter) {
+        painter.take(pending.bitmap, pending.leans);
+        this.figures.uploads += 1;
+      }
+      return true;
+    } catch (error) {  // The canvas below shows the picture.
+      this.source_ = null;
+      this.refusal = `WebGL did not take a picture: ${error}`;
+      return false;
+    } finally {
       this.drop_();
     }
   }
@@ -331,15 +337,15 @@ export class Warp {
     const {wanted} = this.viewpoint_, state = this.store_.state;
     const isAhead = Boolean(wanted && shown && !isSameView(wanted, shown));
     const base = isAhead ? wanted : shown, view = base && this.parallax.turned(base);
-    const isWarped = Boolean(source && painter && state && view && shown
+    const isAway = Boolean(source && painter && state && view && shown
       && !isSameView(view, shown));
-    const isDrawn = isWarped || Boolean(source && !source.isBelow);
-    this.figures.ready = source !== null;
+    const isDrawn = (isAway || Boolean(source && !source.isBelow)) && this.upload_();
+    const isWarped = isAway && isDrawn;
+    this.figures.ready = this.source_ !== null;
     this.figures.warped = isWarped;
     this.figures.view = isWarped ? view : shown;
     this.canvas_.style.visibility = isDrawn ? 'visible' : 'hidden';
     if (source && painter && state && view && isDrawn) {
-      this.upload_();
       this.paint_(source, painter, view, state);
     }
     if (!isWarped || !state || !source || !view) {

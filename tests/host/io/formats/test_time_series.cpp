@@ -135,16 +135,16 @@ TEST_SUITE("host/io/time series") {
 
     TEST_CASE("compressed volumes that are read in turn are decompressed once") {
         const TemporaryFolder folder;
-        constexpr std::uint16_t count = 12, side = 64;
+        constexpr std::uint16_t count = 24, side = 64, slices = 8;
         Grid grid = series();
-        grid.dims = {side, side, 2};
-        grid.values.resize(std::size_t{count} * side * side * 2);
+        grid.dims = {side, side, slices};
+        grid.values.resize(std::size_t{count} * side * side * slices);
         std::minstd_rand noise(1);
         std::ranges::generate(grid.values, [&] { return static_cast<std::int16_t>(noise()); });
         NiftiHeader header = nifti1_header(grid);
-        header.put_dims({4, side, side, 2, count, 1, 1, 1});
+        header.put_dims({4, side, side, slices, count, 1, 1, 1});
         const std::string whole = gzipped(folder, header.bytes() + bytes_of(grid.values));
-        REQUIRE(whole.size() > std::size_t{count} * side * side * 2);
+        REQUIRE(whole.size() > 2 * grid.values.size() * 9 / 10);
         const std::string path = folder.write("v.nii.gz", whole);
         std::uint64_t before = bytes_read();
         const std::vector<Volume> turn = read_in_turn(path, 1, count);
