@@ -106,11 +106,11 @@ TEST_CASE("texts and slices say which volume they are of") {
           std::string::npos);
     ward.does("slice z 30 heart.png");
     REQUIRE(machine.exported.size() == 1);
-    CHECK(machine.exported[0].description.starts_with("13/30, 360 ms: axial"));
+    CHECK(machine.exported[0].description.starts_with("13/30, 360 ms: slice z 30"));
     ward.does("load phantom:sphere");
     CHECK(ward.does("info").text.find("time series") == std::string::npos);
     ward.does("slice z 30 sphere.png");
-    CHECK(machine.exported[1].description.starts_with("axial"));
+    CHECK(machine.exported[1].description.starts_with("slice z 30"));
 }
 
 TEST_CASE("volumes that were shown are kept until another volume is loaded") {
