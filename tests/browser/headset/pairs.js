@@ -36,7 +36,7 @@ export function loadPairs() {
     const frame = modules.messages.parseFrame(message), { header, depths } = frame;
     const { width, height, layers } = header;
     const bitmap = await modules.bitmaps.bitmapOfFile(frame);
-    const context = new OffscreenCanvas(width, bitmap.height).getContext('2d');
+    const context = new OffscreenCanvas(width, height * depths.length).getContext('2d');
     context.drawImage(bitmap, 0, 0);
     const leans = await Promise.all(depths.map(each => modules.lean.unpack(each, width, height)));
     const views = [eyes.left, eyes.right].map(({ patient_to_eye, projection }, at) => {

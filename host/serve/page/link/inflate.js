@@ -10,7 +10,8 @@
 export async function inflate(bytes, format) {
   const {readable, writable} = new DecompressionStream(format);
   const writer = writable.getWriter();
-  const written = writer.write(/** @type {any} */ (bytes)).then(() => writer.close());
+  const chunk = ArrayBuffer.isView(bytes) ? bytes : new Uint8Array(bytes);
+  const written = writer.write(/** @type {any} */ (chunk)).then(() => writer.close());
   const [plain] = await Promise.all([new Response(readable).arrayBuffer(), written]);
   return plain;
 }
