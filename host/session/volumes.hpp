@@ -45,7 +45,7 @@ class Volumes {
     /// Reads a volume without distributing it.
     Volume read(const std::string& source, const ImportOptions& options = {});
     /// Reads volumes of the loaded series without distributing them, as
-    /// VolumeReader::read_several(). Ctrl-C ends only this.
+    /// VolumeReader::read_several(). A viewer's `cancel` ends only this.
     std::vector<Volume> read_of_series(int frame, int count);
     /// Starts the process of the next read, which then begins at once.
     void prepare_read() { conversation_.machine().prepare_io(); }

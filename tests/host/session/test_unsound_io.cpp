@@ -93,6 +93,15 @@ std::deque<bus::Payload> volumes_of(const std::vector<std::uint32_t>& frames) {
     return messages;
 }
 
+/// A request for three volumes of a series.
+struct Reading {
+    Reading() { options.volumes = 3; }
+    UnsoundMachine machine;
+    Session session{machine};
+    VolumeReader reader{session.conversation, session.io, session.load_settings};
+    ImportOptions options;
+};
+
 }  // namespace
 
 TEST_SUITE("host/session/unsound_io") {
@@ -108,11 +117,8 @@ TEST_SUITE("host/session/unsound_io") {
     }
 
     TEST_CASE("of several volumes, no more are taken than were asked for or the series has") {
-        UnsoundMachine machine;
-        Session session(machine);
-        VolumeReader reader(session.conversation, session.io, session.load_settings);
-        ImportOptions options;
-        options.volumes = 3;
+        Reading reading;
+        auto& [machine, session, reader, options] = reading;
         machine.answers = volumes_of({1, 2, 3, 1});
         CHECK(reader.read_several("scan.nrrd", options).size() == 3);
         CHECK(machine.answers.size() == 3);
@@ -126,11 +132,8 @@ TEST_SUITE("host/session/unsound_io") {
     }
 
     TEST_CASE("several volumes that do not follow each other end the request") {
-        UnsoundMachine machine;
-        Session session(machine);
-        VolumeReader reader(session.conversation, session.io, session.load_settings);
-        ImportOptions options;
-        options.volumes = 3;
+        Reading reading;
+        auto& [machine, session, reader, options] = reading;
         machine.answers = volumes_of({1, 3});
         CHECK_THROWS_WITH_AS(reader.read_several("scan.nrrd", options),
                              doctest::Contains("volume 3 of 3 with 4 x 5 x 6 voxels follows volume "

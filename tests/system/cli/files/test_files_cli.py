@@ -305,6 +305,7 @@ class Files(unittest.TestCase):
         path.write_bytes(half)
         done = self.ends("run", "-c", "load beat.nii; surface wall iso=42; time 2; time 3")
         self.assertEqual(done.returncode, 65, done)
+        self.assertIn("volume 2 of 4", done.stdout)  # Though one that was read ahead failed.
         self.assertIn("volume 3 of 4 ends after", done.stderr)
         path.unlink()
 
