@@ -8,10 +8,10 @@
 
 #include "host/base/error.hpp"
 #include "host/scene/marks_messages.hpp"
-#include "host/surface/border_cap.hpp"
 #include "host/surface/certificate.hpp"
+#include "host/surface/export/border_cap.hpp"
+#include "host/surface/export/plane_cut.hpp"
 #include "host/surface/mesh_distance.hpp"
-#include "host/surface/plane_cut.hpp"
 #include "host/volume/reduced.hpp"
 
 namespace pxpl5::host {

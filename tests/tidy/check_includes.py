@@ -61,7 +61,8 @@ ROOMS = {
     },
     "host/timing": {"counts": set(), "replay": {"counts"}, ".": {"counts", "replay"},
                     "cluster": {"counts", "replay", "."}},
-    "host/surface": {"atlas": set(), ".": set(), "blocks": {"."}, "parts": {"."}},
+    "host/surface": {"atlas": set(), ".": set(), "blocks": {"."}, "export": {"."},
+                     "parts": {"."}},
     "host/session": {"activity": set(), "history": set(), "transfer": set(), "pictures": set(),
                      ".": {"activity", "history", "transfer"}},
     "host/io": {

@@ -7,7 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "host/io/mesh/mesh_export.hpp"
-#include "host/surface/plane_cut.hpp"
+#include "host/surface/export/plane_cut.hpp"
 
 namespace pxpl5::host::io {
 

@@ -8,10 +8,10 @@
 
 #include "host/io/import.hpp"
 #include "host/surface/atlas/isovalue_components.hpp"
-#include "host/surface/border_cap.hpp"
 #include "host/surface/components.hpp"
+#include "host/surface/export/border_cap.hpp"
+#include "host/surface/export/plane_cut.hpp"
 #include "host/surface/patient_mesh.hpp"
-#include "host/surface/plane_cut.hpp"
 #include "tests/host/surface/surface_support.hpp"
 
 using namespace pxpl5;

@@ -7,11 +7,11 @@
 #include <numbers>
 #include <random>
 
-#include "host/surface/border_cap.hpp"
 #include "host/surface/components.hpp"
+#include "host/surface/export/border_cap.hpp"
+#include "host/surface/export/plane_cut.hpp"
 #include "host/surface/mesh_distance.hpp"
 #include "host/surface/patient_mesh.hpp"
-#include "host/surface/plane_cut.hpp"
 #include "tests/host/surface/surface_support.hpp"
 #include "tests/random_seed.hpp"
 

@@ -1,4 +1,4 @@
-#include "host/surface/plane_cut.hpp"
+#include "host/surface/export/plane_cut.hpp"
 
 #include <algorithm>
 #include <array>

@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "host/surface/plane_cut.hpp"
+#include "host/surface/export/plane_cut.hpp"
 
 namespace pxpl5::host {
 

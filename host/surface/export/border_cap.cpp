@@ -1,4 +1,4 @@
-#include "host/surface/border_cap.hpp"
+#include "host/surface/export/border_cap.hpp"
 
 #include <algorithm>
 #include <array>
