@@ -195,6 +195,7 @@ ScriptOptions script_options(const Flags& flags) {
 int run_prompt(const Flags& flags, Session& session, MachinePort& machine) {
     ScriptOptions options = script_options(flags);
     options.keep_going = true;
+    options.is_prompt = true;
     fmt::print("pxpl5 {}: {}; 'help' lists the commands\n", version,
                size_text(flags.machine.plan()));
     run_script(session, lines_of_prompt(machine), options);

@@ -10,11 +10,13 @@
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/commands/commands.hpp"
+#include "host/commands/text/progress_bar.hpp"
 
 namespace pxpl5::host {
 
@@ -105,6 +107,23 @@ double ms_now() {
         .count();
 }
 
+/// A command at a prompt: while it exists, Ctrl-C cancels the command, and a bar shows how far it
+/// is.
+class PromptCommand {
+  public:
+    explicit PromptCommand(Session& session)
+        : machine_(session.conversation.machine()), bar_(session) {
+        machine_.cancel_on_interrupt(true);
+    }
+    ~PromptCommand() { machine_.cancel_on_interrupt(false); }
+    PromptCommand(const PromptCommand&) = delete;
+    PromptCommand& operator=(const PromptCommand&) = delete;
+
+  private:
+    MachinePort& machine_;
+    ProgressBar bar_;
+};
+
 /// Runs the lines of one script.
 class Script {
   public:
@@ -181,7 +200,13 @@ class Script {
         if (options_.echo && !options_.json) {
             output_.print("> " + outcome_.command);
         }
-        const Reply reply = run_command(session_, arguments, nullptr, options_.table);
+        const Reply reply = [&] {
+            std::optional<PromptCommand> at_prompt;
+            if (options_.is_prompt) {
+                at_prompt.emplace(session_);
+            }
+            return run_command(session_, arguments, nullptr, options_.table);
+        }();
         const bool fails = options_.strict && !reply.warnings.empty();
         close_outcome();
         if (!options_.json || !fails) {

@@ -17,6 +17,7 @@ struct ScriptOptions {
     bool echo = false;        ///< Print each command before its answer.
     bool keep_going = false;  ///< Go on after a failed command, as a prompt does.
     bool strict = false;      ///< A command that gives a warning fails with exit code 3.
+    bool is_prompt = false;   ///< Ctrl-C cancels the command under way and not the session.
     CommandTable table = command_table();
 };
 

@@ -152,7 +152,7 @@ class Launcher {
 
     /// See MachinePort::allow_cancel().
     void allow_cancel(bool allowed);
-    bool can_be_canceled() const { return can_be_canceled_; }
+    bool can_be_canceled() const { return interrupt_.cancels; }
     /// See MachinePort::watch().
     void watch(int fd, std::function<bool()> give_up);
     /// See MachinePort::tell_suspects().
@@ -161,6 +161,8 @@ class Launcher {
     }
     /// See MachinePort::allow_give_up().
     void allow_give_up(bool allowed) { watcher_.may_cancel = allowed; }
+    /// See MachinePort::cancel_on_interrupt().
+    void cancel_on_interrupt(bool allowed);
 
     bool is_recording() const { return recorder_.has_value(); }
     /// See MachinePort::save_traces().
@@ -342,8 +344,15 @@ class Launcher {
         std::function<void(const std::string&)> tell_computer;  ///< See tell_computers().
     };
 
-    bool can_be_canceled_ = false;
+    /// The meaning of a SIGINT.
+    struct Interrupt {
+        bool cancels = false;          ///< See MachinePort::allow_cancel().
+        bool cancels_command = false;  ///< See MachinePort::cancel_on_interrupt().
+        bool is_pending = false;       ///< One has come, and has canceled nothing so far.
+    };
+
     Watcher watcher_;
+    Interrupt interrupt_;
     bool launched_ = false;  ///< All nodes have received Go.
     /// Messages that came during a handshake, or while the host waited for input.
     struct Backlog {

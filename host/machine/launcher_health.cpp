@@ -38,11 +38,11 @@ MachineError interruption(int signal) {
 }  // namespace
 
 void Launcher::allow_cancel(bool allowed) {
-    can_be_canceled_ = false;
+    interrupt_.cancels = false;
     if (allowed) {
-        check_health();  // An earlier signal does not cancel the operation that begins now.
+        check_health();  // An earlier signal cancels nothing, unless cancel_on_interrupt() says so.
     }
-    can_be_canceled_ = allowed;
+    interrupt_.cancels = allowed;
 }
 
 void Launcher::watch(int fd, std::function<bool()> give_up) {
@@ -59,14 +59,25 @@ void Launcher::ask_watcher() {
     if (watcher_.fd >= 0 && poll(&watched, 1, 0) > 0 && watcher_.give_up()) {
         watcher_.has_given_up = true;
     }
-    if (watcher_.has_given_up && (can_be_canceled_ || watcher_.may_cancel)) {
+    if ((watcher_.has_given_up || interrupt_.is_pending) &&
+        (interrupt_.cancels || watcher_.may_cancel)) {
         watcher_.has_given_up = false;
+        interrupt_.is_pending = false;
         cancel();
     }
 }
 
+void Launcher::cancel_on_interrupt(bool allowed) {
+    if (interrupt_.cancels_command && !allowed && !interrupt_.is_pending) {
+        wait_for_event(0);  // It may have come after the last look.
+        processes_.own().forget_interrupt(SIGINT);
+    }
+    interrupt_.cancels_command = allowed;
+    interrupt_.is_pending = false;
+}
+
 void Launcher::cancel() {
-    can_be_canceled_ = false;
+    interrupt_.cancels = false;
     if (io_.used && io_.death_code == ExitCode::failed) {
         end_process(io_.used->name(), SIGTERM);  // It removes what it has written so far.
     }
@@ -144,8 +155,10 @@ void Launcher::check_health() {
         }
     }
     if (const int signal = processes_.own().take_interrupt();
-        signal == SIGINT && can_be_canceled_) {
+        signal == SIGINT && interrupt_.cancels) {
         cancel();
+    } else if (signal == SIGINT && interrupt_.cancels_command && !interrupt_.is_pending) {
+        interrupt_.is_pending = true;
     } else if (signal != 0) {
         give_in(interruption(signal));
     }

@@ -26,6 +26,7 @@ struct Machine::Parts {
     std::shared_ptr<Processes> kept;  ///< The computers of the machine before, for the next.
     MachineError lost{ExitCode::unavailable, "the machine has not started"};
     std::vector<bus::NodeId> gps, renderers, frame_buffers;
+    bool cancels_on_interrupt = false;
     int watched_fd = -1;
     std::function<bool()> give_up;
     NameOfSurface name_of_surface;
@@ -95,6 +96,7 @@ void Machine::start_again(const NodeChange& change, int pause_ms) {
     }
     parts.topology = std::move(plan);
     parts.launcher->watch(parts.watched_fd, parts.give_up);
+    parts.launcher->cancel_on_interrupt(parts.cancels_on_interrupt);
     parts.launcher->name_surfaces(parts.name_of_surface);
     parts.launcher->tell_suspects(parts.tell_suspect);
     parts.launcher->tell_computers(parts.tell_computer);
@@ -235,6 +237,12 @@ bool Machine::is_recording() const {
 void Machine::allow_give_up(bool allowed) {
     if (parts_->launcher) {
         parts_->launcher->allow_give_up(allowed);
+    }
+}
+void Machine::cancel_on_interrupt(bool allowed) {
+    parts_->cancels_on_interrupt = allowed;
+    if (parts_->launcher) {
+        parts_->launcher->cancel_on_interrupt(allowed);
     }
 }
 SavedTraces Machine::save_traces() {

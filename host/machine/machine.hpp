@@ -77,6 +77,7 @@ class Machine final : public MachinePort {
     bool is_recording() const override;
     int slabs_per_set() const override;
     void allow_give_up(bool allowed) override;
+    void cancel_on_interrupt(bool allowed) override;
     SavedTraces save_traces() override;
     SavedTraces save_traces_after_fault() override;
 

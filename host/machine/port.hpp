@@ -169,8 +169,13 @@ class MachinePort {
     /// must leave `fd` unreadable. After it has returned true, it acts as the first SIGINT, once
     /// allow_cancel() or allow_give_up() has allowed that.
     virtual void watch(int fd, std::function<bool()> give_up) = 0;
-    /// While `allowed`, the function of watch() may cancel the operation under way. SIGINT may not.
+    /// While `allowed`, the function of watch() may cancel the operation under way. SIGINT may not,
+    /// but see cancel_on_interrupt().
     virtual void allow_give_up(bool) {}
+    /// While `allowed`, as during a command of a prompt, a SIGINT cancels the current or the next
+    /// work that allow_give_up() or allow_cancel() allows to cancel. A second SIGINT before that
+    /// ends the machine. An unused SIGINT is dropped when this ends.
+    virtual void cancel_on_interrupt(bool) {}
 
     /// Names the work that the following pump() waits for, for errors: "surface bone".
     virtual void name_work(const std::string&) {}

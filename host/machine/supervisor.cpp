@@ -351,6 +351,12 @@ int Supervisor::take_interrupt() {
     return signal;
 }
 
+void Supervisor::forget_interrupt(int signal) {
+    if (!parts_->interrupts.empty() && parts_->interrupts.front() == signal) {
+        parts_->interrupts.pop_front();
+    }
+}
+
 std::vector<std::string> Supervisor::running() const {
     std::vector<std::string> names;
     for (const auto& child : parts_->children) {

@@ -68,6 +68,8 @@ class Supervisor {
     std::vector<Death> take_deaths();
     /// The oldest SIGINT, SIGTERM or SIGHUP that has not been taken; 0 if none is left.
     int take_interrupt();
+    /// Removes the oldest signal if it is `signal`.
+    void forget_interrupt(int signal);
 
     /// Names of the processes that have not ended.
     std::vector<std::string> running() const;

@@ -20,29 +20,33 @@ constexpr int bar_width = 40;
 ProgressBar::ProgressBar(Session& session) : session_(session), started_ns_(now_ns()) {
     draws_ = !session_.load_settings.progress && isatty(STDERR_FILENO) != 0;
     if (draws_) {
-        session_.load_settings.progress = [this](const LoadProgress& progress) { show(progress); };
+        session_.load_settings.progress = [this](const LoadProgress& now) {
+            show(now.phase == LoadProgress::Phase::reading ? "reading" : "distributing", now.done,
+                 now.total);
+        };
+        session_.tell_pictures = [this](int done, int total) { show("working", done, total); };
     }
 }
 
 ProgressBar::~ProgressBar() {
     if (draws_) {
         session_.load_settings.progress = nullptr;
+        session_.tell_pictures = nullptr;
     }
     if (drawn_) {
         fmt::print(stderr, "\r\x1b[K");
     }
 }
 
-void ProgressBar::show(const LoadProgress& progress) {
+void ProgressBar::show(const char* phase, int done, int total) {
     if (ms_since(started_ns_) < silent_ms) {
         return;
     }
-    const char* phase = progress.phase == LoadProgress::Phase::reading ? "reading" : "distributing";
-    const int filled =
-        progress.total == 0 ? 0 : std::min(bar_width, bar_width * progress.done / progress.total);
+    const int filled = total == 0 ? 0
+                                  : static_cast<int>(std::min<std::int64_t>(
+                                        bar_width, std::int64_t{bar_width} * done / total));
     fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {} of {}  (Ctrl-C cancels)", phase,
-               std::string(static_cast<std::size_t>(filled), '='), bar_width, progress.done,
-               progress.total);
+               std::string(static_cast<std::size_t>(filled), '='), bar_width, done, total);
     drawn_ = true;
 }
 

@@ -5,8 +5,9 @@
 
 namespace pxpl5::host {
 
-/// Draws a bar while it lives, if standard error is a terminal and nothing else shows the progress.
-/// Draws nothing in the first moments, so that short work does not flicker.
+/// Draws a bar of loads, and of commands that draw or measure again and again, if standard error is
+/// a terminal and nothing else shows the progress. Draws nothing in the first moments, so that
+/// short work does not flicker.
 class ProgressBar {
   public:
     explicit ProgressBar(Session& session);
@@ -15,7 +16,7 @@ class ProgressBar {
     ProgressBar& operator=(const ProgressBar&) = delete;
 
   private:
-    void show(const LoadProgress& progress);
+    void show(const char* phase, int done, int total);
 
     Session& session_;
     std::int64_t started_ns_;

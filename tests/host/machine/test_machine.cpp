@@ -268,6 +268,49 @@ TEST_CASE(
     CHECK(end_of(machine).code == 130);
 }
 
+TEST_CASE("during a command of a prompt, Ctrl-C cancels the next work that may be canceled") {
+    Bench bench;
+    Machine machine(bench.topology, bench.options);
+    const auto press = [] { ::kill(getpid(), SIGINT); };
+    machine.cancel_on_interrupt(true);
+    press();
+    ask_all(machine);  // This may not be canceled, and is done first.
+    machine.allow_give_up(true);
+    CHECK_THROWS_WITH_AS(machine.pump(ignore, never), "canceled", Canceled);
+    machine.allow_give_up(false);
+    ask_all(machine);
+    machine.cancel_on_interrupt(false);
+
+    machine.cancel_on_interrupt(true);
+    press();
+    ask_all(machine);
+    machine.allow_cancel(true);  // As a load does.
+    CHECK_THROWS_AS(machine.pump(ignore, never), Canceled);
+    machine.allow_cancel(false);
+    machine.cancel_on_interrupt(false);
+
+    machine.cancel_on_interrupt(true);
+    press();
+    machine.cancel_on_interrupt(false);  // The command has ended before anybody looked.
+    machine.allow_give_up(true);
+    ask_all(machine);
+    machine.allow_give_up(false);
+
+    machine.cancel_on_interrupt(true);
+    press();
+    ask_all(machine);
+    machine.cancel_on_interrupt(false);  // Nothing of the command could be canceled.
+    machine.allow_give_up(true);
+    ask_all(machine);
+    machine.allow_give_up(false);
+
+    machine.cancel_on_interrupt(true);
+    press();
+    ask_all(machine);
+    press();
+    CHECK(end_of(machine).code == 130);
+}
+
 TEST_CASE("SIGTERM ends the machine, whatever may be canceled") {
     Bench bench;
     Machine machine(bench.topology, bench.options);

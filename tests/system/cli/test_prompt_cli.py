@@ -67,6 +67,21 @@ class Prompt(unittest.TestCase):
         self.assertIn("interrupted by SIGINT", screen)
         self.assertNotIn("still running", screen)
 
+    def test_ctrl_c_during_a_command_ends_the_command_alone(self):
+        def interrupt(terminal, _):
+            os.write(terminal, b"load phantom:heart\nsurface blood iso=70\n")
+            self.read_until(terminal, b"triangles")
+            for command in (b"curve\n", b"orbit 2000\n", b"cine f{}.png\n"):
+                os.write(terminal, command)
+                self.read_until(terminal, b"(Ctrl-C cancels)")
+                os.write(terminal, b"\x03")
+                self.read_until(terminal, b"canceled")
+            os.write(terminal, b"time\nsurfaces\nquit\n")
+        code, screen = self.at_a_terminal(interrupt)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("volume 1 of 30", screen)
+        self.assertIn("blood", screen)
+
     def test_a_node_killed_at_the_prompt_is_replaced(self):
         def kill(terminal, pid):
             kill_renderer(terminal, pid)
