@@ -19,6 +19,7 @@ PhantomInfo sphere_info();
 PhantomInfo torus_info();
 PhantomInfo letters_info();
 PhantomInfo heart_info();
+PhantomInfo waving_fetus_info();
 
 Volume make_pelvis(const PhantomInfo& info);
 Volume make_fetus(const PhantomInfo& info);
@@ -28,6 +29,7 @@ Volume make_torus(const PhantomInfo& info);
 Volume make_letters(const PhantomInfo& info);
 /// frame  From 1.
 Volume make_heart(const PhantomInfo& info, int frame);
+Volume make_waving_fetus(const PhantomInfo& info, int frame);
 
 /// The grid that an info describes, centered on `center_mm`.
 inline Grid grid_of(const PhantomInfo& info, glm::vec3 center_mm = glm::vec3(0)) {
@@ -74,6 +76,16 @@ Volume volume_of(const PhantomInfo& info, const Grid& grid, const std::vector<T>
     volume.values.resize(voxels.size() * sizeof(T));
     std::memcpy(volume.values.data(), voxels.data(), volume.values.size());
     return volume;
+}
+
+/// Says which volume of the phantom's time series it is.
+inline void take_frame(const PhantomInfo& info, int frame, Volume& volume) {
+    volume.frame = frame;
+    volume.frames = info.frames;
+    volume.frame_ms = info.frame_ms;
+    volume.findings.push_back({FindingKind::note, "volume " + std::to_string(frame) + " of " +
+                                                      std::to_string(info.frames) +
+                                                      " of a time series"});
 }
 
 }  // namespace pxpl5::host::phantom

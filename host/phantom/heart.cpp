@@ -117,12 +117,7 @@ Volume make_heart(const PhantomInfo& info, int frame) {
         }
     }
     Volume volume = volume_of(info, grid, voxels);
-    volume.frame = frame;
-    volume.frames = info.frames;
-    volume.frame_ms = info.frame_ms;
-    volume.findings.push_back({FindingKind::note, "volume " + std::to_string(frame) + " of " +
-                                                      std::to_string(info.frames) +
-                                                      " of a time series"});
+    take_frame(info, frame, volume);
     return volume;
 }
 

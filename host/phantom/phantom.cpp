@@ -25,6 +25,7 @@ constexpr Entry catalogue[] = {
     {phantom::torus_info, phantom::make_torus},
     {phantom::letters_info, phantom::make_letters},
     {phantom::heart_info, nullptr, phantom::make_heart},
+    {phantom::waving_fetus_info, nullptr, phantom::make_waving_fetus},
 };
 
 [[noreturn]] void throw_unknown(std::string_view name) {

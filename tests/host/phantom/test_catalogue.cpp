@@ -47,7 +47,7 @@ TEST_SUITE("host/phantom/catalogue") {
             for (int i = 0; i < 3; ++i)
                 CHECK(v.voxel_to_patient[i][i] == info.spacing_mm[static_cast<std::size_t>(i)]);
         }
-        CHECK(names.size() == 7);
+        CHECK(names.size() == 8);
     }
 
     TEST_CASE("minimum and maximum are those of the voxels, and isovalues lie between") {
@@ -83,20 +83,27 @@ TEST_SUITE("host/phantom/catalogue") {
     }
 
     TEST_CASE("each volume of a time series says which one it is") {
-        const host::PhantomInfo heart = info_of("phantom:heart");
-        CHECK(heart.frames == 30);
-        CHECK(heart.frame_ms == 30);
-        std::set<std::vector<std::byte>> seen;
-        for (const int frame : {1, 4, 12}) {
-            const host::Volume volume = host::make_phantom(heart.name, frame);
-            CHECK(volume.frame == frame);
-            CHECK(volume.frames == heart.frames);
-            CHECK(volume.frame_ms == heart.frame_ms);
-            CHECK(seen.insert(volume.values).second);
+        CHECK(info_of("phantom:heart").frames == 30);
+        CHECK(info_of("phantom:heart").frame_ms == 30);
+        for (const std::string name : {"phantom:heart", "phantom:waving-fetus"}) {
+            const host::PhantomInfo info = info_of(name);
+            std::set<std::vector<std::byte>> seen;
+            for (const int frame : {1, 4, 12}) {
+                const host::Volume volume = host::make_phantom(name, frame);
+                CHECK(volume.frame == frame);
+                CHECK(volume.frames == info.frames);
+                CHECK(volume.frame_ms == info.frame_ms);
+                CHECK(seen.insert(volume.values).second);
+            }
+            CHECK_THROWS_AS(host::make_phantom(name, 0), std::invalid_argument);
+            CHECK_THROWS_AS(host::make_phantom(name, info.frames + 1), std::invalid_argument);
         }
-        CHECK_THROWS_AS(host::make_phantom(heart.name, 0), std::invalid_argument);
-        CHECK_THROWS_AS(host::make_phantom(heart.name, 31), std::invalid_argument);
         CHECK_THROWS_AS(host::make_phantom("phantom:torus", 2), std::invalid_argument);
+    }
+
+    TEST_CASE("the fetus that moves begins at rest") {
+        CHECK(host::make_phantom("phantom:waving-fetus", 1).values ==
+              host::make_phantom("phantom:fetus").values);
     }
 
     TEST_CASE("a name is a phantom's by its prefix") {
