@@ -122,7 +122,8 @@ std::string range_of(const schema::ExportMesh& mesh, Elements elements) {
     Check check;
     check.within("number of surfaces", mesh.surfaces()->size(), 1, max_surfaces)
         .known("axes", mesh.axes())
-        .within("keep", mesh.keep(), 0.0F, 1.0F);
+        .within("keep", mesh.keep(), 0.0F, 1.0F)
+        .within("error_mm", mesh.error_mm(), 0.0, max_error_mm);
     for (const auto* surface : *mesh.surfaces()) {
         check_triangles(check, *surface, elements);
     }

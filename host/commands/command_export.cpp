@@ -102,6 +102,13 @@ std::vector<std::string> clip_words(const Scene& scene) {
 
 namespace {
 
+/// How smoothing has changed a surface.
+Fields smoothing_fields(const Smoothing& smoothing) {
+    return {{"farthest_mm", smoothing.farthest_mm},
+            {"mean_mm", smoothing.mean_mm},
+            {"volume_change_ml", smoothing.volume_mm3 / 1000}};
+}
+
 Fields surface_parameters(const Surface& surface, const FileSurface& file, Fields certificate) {
     Fields fields = {{"name", surface.name},
                      {"isovalue", surface.isovalue},
@@ -113,6 +120,9 @@ Fields surface_parameters(const Surface& surface, const FileSurface& file, Field
     }
     if (file.within_mm) {
         fields.push_back({"within_mm", *file.within_mm});
+    }
+    if (file.smoothing) {
+        fields.push_back({"smoothing", smoothing_fields(*file.smoothing)});
     }
     fields.push_back({"certificate", std::move(certificate)});
     return fields;
@@ -190,6 +200,9 @@ Fields file_facts(const FileSurface& surface, const Certificate& certificate) {
     if (surface.within_mm) {
         fields.push_back({"within_mm", *surface.within_mm});
     }
+    if (surface.smoothing) {
+        fields.push_back({"smoothing", smoothing_fields(*surface.smoothing)});
+    }
     return fields;
 }
 
@@ -206,6 +219,13 @@ void add_file_surface(Reply& reply, const FileSurface& surface, const Certificat
         line +=
             fmt::format("; {} before and after the decimation",
                         counted(static_cast<std::uint64_t>(certificate.components), "component"));
+    }
+    if (surface.smoothing) {
+        line += fmt::format(
+            "; smoothed: vertices moved by {} mm or less, {:.3f} mm on average, and "
+            "the volume changed by {:+.3f} ml",
+            bound_text(surface.smoothing->farthest_mm), surface.smoothing->mean_mm,
+            surface.smoothing->volume_mm3 / 1000);
     }
     if (!certificate.closed()) {
         line += remedy;
@@ -242,14 +262,21 @@ std::vector<std::string> files_beside_mesh(const std::string& mesh) {
 Reply run_export(Session& session, const Arguments& arguments) {
     const std::string& path = arguments.words[0];
     MeshExport wish;
-    wish.keep = arguments.number("keep", 1);
+    wish.error_mm = arguments.number("error", 0);
+    wish.keep = arguments.number("keep", wish.error_mm > 0 ? 0 : 1);
     wish.cap = arguments.text("cap", "no") == "yes";
     wish.detail = parse_whole("detail", arguments.text("detail", "0"), 0, max_detail);
-    if (wish.detail > 0 && (wish.cap || wish.keep < 1)) {
+    wish.smoothing = parse_whole("smoothing", arguments.text("smoothing", "0"));
+    const std::string_view other = wish.cap             ? "cap=yes"
+                                   : wish.error_mm > 0  ? "error="
+                                   : wish.keep < 1      ? "keep="
+                                   : wish.smoothing > 0 ? "smoothing="
+                                                        : "";
+    if (wish.detail > 0 && !other.empty()) {
         refuse_command(
             fmt::format("export: detail={} and {} cannot be combined, because {} starts from the "
                         "exact surface; leave one out",
-                        wish.detail, wish.cap ? "cap=yes" : "keep=", wish.cap ? "cap" : "keep"));
+                        wish.detail, other, other.substr(0, other.find('='))));
     }
     const std::string axes = arguments.text("axes", "LPS");
     wish.ras = axes == "RAS";
@@ -286,6 +313,8 @@ Reply run_export(Session& session, const Arguments& arguments) {
                              {"unit", "mm"},
                              {"text", report.text},
                              {"keep", wish.keep},
+                             {"error_mm", wish.error_mm},
+                             {"smoothing", std::int64_t{wish.smoothing}},
                              {"cap", wish.cap},
                              {"detail", std::int64_t{wish.detail}},
                              {"clips", clip_words(session.scene)},

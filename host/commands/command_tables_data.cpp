@@ -75,7 +75,8 @@ std::vector<Command> series_commands() {
     return {
         {{.name = "time",
           .help = "Shows another volume of a time series, with the same surfaces and clip planes; "
-                  "without a word, prints which one is shown.",
+                  "without a word, prints which one is shown. next and previous go on at the "
+                  "other end.",
           .words = {{"WHICH", "N|next|previous", ""}},
           .options = {number_value("at", "MS", 0, max_frame_ms,
                                    "show the volume nearest to this time after the first", "ms")},
@@ -212,11 +213,17 @@ std::vector<Command> mesh_commands() {
                       choice_value("axes", enum_names<PatientAxes>, "patient axes", "LPS"),
                       number_value("keep", "SHARE", 1e-4, 1,
                                    "share of the triangles to keep; less than 1 decimates"),
+                      number_value("error", "MM", 0, max_error_mm,
+                                   "decimate so that no vertex is farther from the new surface; "
+                                   "without keep=, as far as that allows",
+                                   "mm"),
+                      whole_value("smoothing", "N", 0, max_smoothing,
+                                  "passes that smooth the surface and keep its volume", "0"),
                       choice_value("cap", yes_no,
                                    "close the mesh at the scan's border and at clip planes", "no"),
                       number_value("detail", "N", 0, max_detail,
                                    "0 exact; 1, 2, 3: simplified in cells of 2, 4, 8 voxels a "
-                                   "side; excludes keep= and cap=yes")},
+                                   "side; excludes keep=, error=, smoothing= and cap=yes")},
           .kind = CommandKind::action,
           .is_long = true,
           .stage = RenderStage::output,

@@ -108,6 +108,7 @@ std::vector<bus::Payload> export_mesh(const schema::ExportMesh& request) {
         mesh.axes = request.axes();
         mesh.description = text_of(request.description());
         mesh.keep = static_cast<double>(request.keep());
+        mesh.error_mm = request.error_mm();
         const MeshWritten written = write_mesh(request.path()->str(), mesh);
         std::vector<bus::Payload> answer;
         if (!written.decimated.empty()) {

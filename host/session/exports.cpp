@@ -62,6 +62,7 @@ void take_decimated(const schema::MeshContent& content, MeshExportReport& report
             continue;
         }
         if (before != whole.end()) {
+            now.smoothing = before->smoothing;
             now.moved_mm = farthest_distance(before->file.mesh.p_grid, now.file.mesh.p_grid,
                                              now.file.mesh.triangles);
             now.components_before = certify(before->file.mesh, patient_grid()).components;
@@ -105,16 +106,19 @@ void Exports::pictures(std::span<const Picture> pictures, const std::string& pat
     io_.write(path, bus::pack(request));
 }
 
-SimplifiedMesh Exports::ready_for_file(const Surface& surface, const MeshExport& wish) {
+Exports::ReadyMesh Exports::ready_for_file(const Surface& surface, const MeshExport& wish) {
     const VolumeGrid grid = meshes_.grid();
-    SimplifiedMesh ready;
+    ReadyMesh ready;
+    WeldedMesh& mesh = ready.simplified.mesh;
     if (wish.detail == 0) {
-        ready.mesh = meshes_.fetch_drawn(surface);
-        keep_apart(ready.mesh, grid);
+        mesh = meshes_.fetch_drawn(surface);
+        keep_apart(mesh, grid);
     } else {
-        ready = meshes_.fetch_simplified(surface, wish.detail);
+        ready.simplified = meshes_.fetch_simplified(surface, wish.detail);
     }
-    WeldedMesh& mesh = ready.mesh;
+    if (wish.smoothing > 0) {
+        ready.smoothing = smooth_mesh(mesh, grid, wish.smoothing);
+    }
     if (wish.cap) {
         require_all_voxels(meshes_.volumes().volume(), "closing a surface at the border");
         cap_at_border(mesh, meshes_.volumes().volume(), surface.isovalue);
@@ -154,8 +158,8 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
         if (!wanted) {
             continue;
         }
-        const SimplifiedMesh ready = ready_for_file(surface, wish);
-        const WeldedMesh& mesh = ready.mesh;
+        const ReadyMesh ready = ready_for_file(surface, wish);
+        const WeldedMesh& mesh = ready.simplified.mesh;
         if (mesh.triangles.empty()) {
             report.empty.push_back(surface.name);
             continue;
@@ -163,8 +167,9 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
         report.surfaces.push_back({surface.name, weld(mesh.p_grid, mesh.triangles),
                                    static_cast<std::int64_t>(mesh.keys.size())});
         if (wish.detail > 0) {
-            report.surfaces.back().within_mm = ready.moved_mm;
+            report.surfaces.back().within_mm = ready.simplified.moved_mm;
         }
+        report.surfaces.back().smoothing = ready.smoothing;
         const std::size_t bytes = builder.GetSize() +
                                   mesh.keys.size() * sizeof(schema::MeshVertex) +
                                   mesh.triangles.size() * sizeof(mesh.triangles[0]);
@@ -193,9 +198,9 @@ MeshExportReport Exports::mesh(const std::string& path, const MeshExport& wish) 
     const auto description_at = builder.CreateString(wish.description);
     const auto axes = wish.ras ? PatientAxes::RAS : PatientAxes::LPS;
     const IoOutcome written = io_.write(
-        path,
-        bus::finish(builder, schema::CreateExportMesh(builder, path_at, list, axes, description_at,
-                                                      static_cast<float>(wish.keep))));
+        path, bus::finish(builder,
+                          schema::CreateExportMesh(builder, path_at, list, axes, description_at,
+                                                   static_cast<float>(wish.keep), wish.error_mm)));
     report.triangles = written.triangles;
     report.text = written.text;
     if (written.content) {

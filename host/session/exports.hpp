@@ -11,6 +11,7 @@
 #include "host/scene/marks.hpp"
 #include "host/session/frames.hpp"
 #include "host/session/meshes.hpp"
+#include "host/surface/export/mesh_smooth.hpp"
 #include "host/surface/patient_mesh.hpp"
 
 namespace pxpl5::host {
@@ -27,9 +28,12 @@ struct PictureExtras {
 struct MeshExport {
     std::vector<std::string> surfaces;  ///< By name; empty for all visible ones.
     bool ras = false;                   ///< Axes to the right, anterior, superior instead of LPS.
-    double keep = 1;                    ///< Share of the triangles that decimation leaves.
-    bool cap = false;                   ///< Closes the mesh at the scan's border and clip planes.
-    int detail = 0;                     ///< 0: exact, else simplified; then no cap and keep 1.
+    /// Share of the triangles that decimation leaves; 0: as few as error_mm allows.
+    double keep = 1;
+    double error_mm = 0;  ///< Above 0: decimation stops at this distance.
+    int smoothing = 0;    ///< Passes of smooth_mesh().
+    bool cap = false;     ///< Closes the mesh at the scan's border and clip planes.
+    int detail = 0;       ///< 0: exact, else simplified without the options above.
     std::string description;
 };
 
@@ -40,6 +44,7 @@ struct FileSurface {
     std::int64_t vertices = 0;            ///< In the file, which may have several at one place.
     std::optional<double> moved_mm = {};  ///< Largest move by decimation; nothing if keep is 1.
     std::int64_t components_before = 0;   ///< Before decimation; 0 if keep is 1.
+    std::optional<Smoothing> smoothing = {};
     /// If the surface is simplified: no point is farther from the exact surface.
     std::optional<double> within_mm = {};
 };
@@ -65,8 +70,12 @@ class Exports {
     WeldedFile read_mesh(const std::string& path);
 
   private:
-    /// The drawn part of the surface, cut and closed, in millimeters.
-    SimplifiedMesh ready_for_file(const Surface& surface, const MeshExport& wish);
+    struct ReadyMesh {
+        SimplifiedMesh simplified;
+        std::optional<Smoothing> smoothing;
+    };
+    /// The drawn part of the surface, smoothed, cut and closed, in millimeters.
+    ReadyMesh ready_for_file(const Surface& surface, const MeshExport& wish);
 
     IoRequests& io_;
     const Scene& scene_;

@@ -102,15 +102,22 @@ class BoxTree {
 
 }  // namespace
 
+std::vector<double> distances(std::span<const glm::vec3> points,
+                              std::span<const glm::vec3> vertices,
+                              std::span<const Triangle> triangles) {
+    const BoxTree tree(vertices, triangles);
+    std::vector<double> found;
+    found.reserve(points.size());
+    for (const glm::vec3& p : points) {
+        found.push_back(std::sqrt(tree.nearest_square(p, std::numeric_limits<double>::infinity())));
+    }
+    return found;
+}
+
 double farthest_distance(std::span<const glm::vec3> points, std::span<const glm::vec3> vertices,
                          std::span<const Triangle> triangles) {
-    const BoxTree tree(vertices, triangles);
-    double farthest = 0;
-    for (const glm::vec3& p : points) {
-        farthest =
-            std::max(farthest, tree.nearest_square(p, std::numeric_limits<double>::infinity()));
-    }
-    return std::sqrt(farthest);
+    const std::vector<double> all = distances(points, vertices, triangles);
+    return all.empty() ? 0 : *std::ranges::max_element(all);
 }
 
 }  // namespace pxpl5::host

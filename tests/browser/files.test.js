@@ -91,6 +91,25 @@ test('a mesh is closed at cuts if asked for, and its certificate is there', asyn
   }
 });
 
+test('a mesh is smoothed and decimated as the dialog says', async () => {
+  await byId('save-menu').click();
+  await byId('export-format').selectOption('ply');
+  await byId('save-cap').setChecked(false);
+  await byId('save-keep').selectOption('within 0.5 mm');
+  await byId('save-smoothing').selectOption('smoothed a little');
+  await saved(() => byId('export-go').click());
+  const { bytes } = await saved(() => page.getByTestId('toast-info').last()
+    .getByTestId('saved-certificate').click());
+  const { keep, error_mm: error, smoothing, surfaces } = JSON.parse(bytes.toString());
+  assert.deepEqual([keep, error, smoothing], [1, 0.5, 10]);
+  assert.ok(surfaces.every(each => each.moved_mm <= 0.5 && each.smoothing.farthest_mm > 0));
+  await page.getByTestId('toast-info').last().getByRole('button').click();
+  await byId('save-menu').click();
+  await byId('save-keep').selectOption('all triangles');
+  await byId('save-smoothing').selectOption('not smoothed');
+  await page.keyboard.press('Escape');
+});
+
 test('the picture is saved as PNG in the size of the state', async () => {
   const { size } = await state(page);
   await byId('save-menu').click();

@@ -43,7 +43,12 @@ void check(const fs::path& path, const MeshExport& mesh) {
         throw MeshError(fmt::format("{}: {} surfaces, must be 1 to {}", file, mesh.surfaces.size(),
                                     max_surfaces));
     }
-    if (!(mesh.keep > 0 && mesh.keep <= 1)) {
+    if (!(mesh.error_mm >= 0 && mesh.error_mm <= max_error_mm)) {
+        throw MeshError(fmt::format("{}: the error of decimation is {} mm, must be 0 to {}", file,
+                                    mesh.error_mm, max_error_mm));
+    }
+    const bool may_keep_none = mesh.error_mm > 0;
+    if (!(mesh.keep >= 0 && mesh.keep <= 1) || (mesh.keep == 0 && !may_keep_none)) {
         throw MeshError(
             fmt::format("{}: share of triangles to keep is {}, must be above 0 and at "
                         "most 1",
@@ -94,9 +99,11 @@ std::string sentence(const fs::path& path, const MeshExport& mesh, std::size_t b
                      double moved_mm) {
     std::string text = fmt::format("{} triangles, {} vertices, {} millimeters",
                                    triangle_count(mesh), vertex_count(mesh), enum_name(mesh.axes));
-    if (mesh.keep < 1 && triangle_count(mesh) == before) {
-        text += "; not decimated: too few triangles, or the result would be no manifold";
-    } else if (mesh.keep < 1) {
+    if (mesh.is_decimated() && triangle_count(mesh) == before) {
+        text += fmt::format(
+            "; not decimated: too few triangles, or the result would be no manifold{}",
+            mesh.error_mm > 0 ? fmt::format(", or farther away than {:g} mm", mesh.error_mm) : "");
+    } else if (mesh.is_decimated()) {
         text += fmt::format(
             "; decimated from {} triangles, no vertex of which lies more than {:.2g} mm "
             "from the new surface",
@@ -121,9 +128,9 @@ MeshWritten write_mesh(const std::string& path, const MeshExport& mesh) {
     std::erase_if(ready.surfaces, [](const MeshSurface& s) { return s.indices.empty(); });
     std::vector<std::pair<std::string, SimplifiedSurface>> simplified;
     double moved_mm = 0;
-    if (mesh.keep < 1) {
+    if (mesh.is_decimated()) {
         for (MeshSurface& surface : ready.surfaces) {
-            simplified.emplace_back(surface.name, simplify(surface, mesh.keep));
+            simplified.emplace_back(surface.name, simplify(surface, mesh.keep, mesh.error_mm));
             const SimplifiedSurface& now = simplified.back().second;
             moved_mm = std::max(moved_mm, now.moved_mm);
             surface.vertices = now.vertices;

@@ -39,7 +39,11 @@ struct MeshExport {
     /// Half a turn about the third axis lies between LPS and RAS: triangles keep their winding.
     PatientAxes axes = PatientAxes::LPS;
     std::string description;  ///< Goes into the file where its format has room.
-    double keep = 1;          ///< Share of the triangles that decimation leaves, above 0; 1: all.
+    /// Share of the triangles that decimation leaves; 1: all, 0: as few as error_mm allows.
+    double keep = 1;
+    double error_mm = 0;  ///< Decimation leaves no vertex farther from the surface; 0: no limit.
+
+    bool is_decimated() const { return keep < 1; }
 };
 
 /// A surface whose vertices are its own.

@@ -132,6 +132,15 @@ std::vector<Triangle> triangles_of(const std::vector<std::uint32_t>& indices) {
     return triangles;
 }
 
+std::vector<glm::vec3> places_of(const SimplifiedSurface& surface) {
+    std::vector<glm::vec3> all;
+    all.reserve(surface.vertices.size());
+    for (const MeshPoint& vertex : surface.vertices) {
+        all.push_back(vertex.p_mm);
+    }
+    return all;
+}
+
 /// Vertices where the surface is no manifold: on an edge of more than two triangles, or between
 /// fans of triangles that share nothing but the vertex.
 std::vector<bool> bad_vertices(const std::vector<std::uint32_t>& indices, std::size_t vertices) {
@@ -192,6 +201,17 @@ class Frozen {
         return add(flat_vertices(whole_, simplified), flat_before_, rings);
     }
 
+    /// Freezes the triangles around vertices that are farther than `most_mm` from what is left.
+    /// Returns whether there are some.
+    bool add_far(const std::vector<std::uint32_t>& simplified, double most_mm, int rings) {
+        const std::vector<glm::vec3> all = places_of(whole_);
+        std::vector<bool> far;
+        for (const double distance : distances(all, all, triangles_of(simplified))) {
+            far.push_back(distance > most_mm);
+        }
+        return add(std::move(far), std::vector<bool>(all.size()), rings);
+    }
+
     /// Corners of the triangles that are frozen, or of the others.
     std::vector<std::uint32_t> indices(bool frozen) const {
         std::vector<std::uint32_t> some;
@@ -231,22 +251,15 @@ class Frozen {
 };
 
 double farthest_vertex_mm(const SimplifiedSurface& whole, const SimplifiedSurface& fewer) {
-    const auto places = [](const SimplifiedSurface& surface) {
-        std::vector<glm::vec3> all;
-        for (const MeshPoint& vertex : surface.vertices) {
-            all.push_back(vertex.p_mm);
-        }
-        return all;
-    };
     return fewer.indices.empty()
                ? 0
-               : farthest_distance(places(whole), places(fewer), triangles_of(fewer.indices));
+               : farthest_distance(places_of(whole), places_of(fewer), triangles_of(fewer.indices));
 }
 
 }  // namespace
 
-SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
-    assert(keep > 0 && keep <= 1);
+SimplifiedSurface simplify(const MeshSurface& surface, double keep, double error_mm) {
+    assert(keep >= 0 && keep <= 1 && error_mm >= 0);
     static_assert(sizeof(MeshPoint) == 6 * sizeof(float));
     const std::size_t triangles = surface.indices.size() / 3;
     const auto target =
@@ -256,13 +269,17 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
         return whole;
     }
     const float* positions = &whole.vertices.data()->p_mm.x;
-    const double most_mm =
-        double{most_moved} *
-        double{meshopt_simplifyScale(positions, whole.vertices.size(), sizeof(MeshPoint))};
+    const auto extent_mm = static_cast<double>(
+        meshopt_simplifyScale(positions, whole.vertices.size(), sizeof(MeshPoint)));
+    const bool has_bound = error_mm > 0;
+    const double usual_mm = double{most_moved} * extent_mm;
+    const double most_mm = has_bound ? std::min(error_mm, usual_mm) : usual_mm;
     Frozen frozen(whole);
-    float limit = most_moved;               // meshoptimizer's estimates are below the distances.
+    // meshoptimizer's estimates are below the distances.
+    float limit = most_mm < usual_mm ? static_cast<float>(most_mm / extent_mm) : most_moved;
     std::optional<SimplifiedSurface> flat;  // A manifold with triangles without area.
-    constexpr int max_rounds = 8, max_nearer = 3;
+    constexpr int max_nearer = 3;
+    const int max_rounds = has_bound ? 24 : 8;
     for (int round = 1, nearer = 0; round <= max_rounds; ++round) {
         SimplifiedSurface result{whole.vertices, frozen.indices(true)};
         const std::vector<std::uint32_t> others = frozen.indices(false);
@@ -274,13 +291,21 @@ SimplifiedSurface simplify(const MeshSurface& surface, double keep) {
         result.indices.insert(result.indices.end(), fewer.begin(), fewer.end());
         remove_flaps(result.indices);
         flip_flat_triangles(result.vertices, result.indices);
+        if (has_bound && result.indices.empty()) {
+            limit /= 2;  // Nothing is left that a vertex could be near to.
+            continue;
+        }
         const bool has_flat = frozen.add_flat(result.indices, round + 1);
         if (frozen.add_bad(result.indices, round + 1)) {
             continue;
         }
+        if (has_bound && frozen.add_far(result.indices, most_mm, 1)) {
+            limit *= 0.8F;
+            continue;
+        }
         compact(result);
         result.moved_mm = farthest_vertex_mm(whole, result);
-        const bool is_near = result.moved_mm <= most_mm || ++nearer > max_nearer;
+        const bool is_near = result.moved_mm <= most_mm || (!has_bound && ++nearer > max_nearer);
         if (is_near && !has_flat) {
             return result;
         }

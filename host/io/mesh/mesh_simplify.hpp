@@ -14,9 +14,12 @@ namespace pxpl5::host::io {
 /// flipped away. Where flip_flat_triangles() leaves some, their surroundings keep all their
 /// triangles, too; if that does not help, these triangles stay.
 ///
-/// keep     In (0, 1].
-/// Source   Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH
-///          1997, as meshoptimizer has it; the rest ours.
-SimplifiedSurface simplify(const MeshSurface& surface, double keep);
+/// keep      In [0, 1].
+/// error_mm  Above 0: no vertex lies farther from the result. The surroundings of vertices that
+///           would lie farther keep all their triangles. If no result is near enough, all
+///           triangles stay.
+/// Source    Garland and Heckbert, "Surface Simplification Using Quadric Error Metrics", SIGGRAPH
+///           1997, as meshoptimizer has it; the rest ours.
+SimplifiedSurface simplify(const MeshSurface& surface, double keep, double error_mm = 0);
 
 }  // namespace pxpl5::host::io

@@ -9,6 +9,7 @@
 namespace pxpl5::host {
 
 inline constexpr int max_histogram_bins = 65536;
+inline constexpr int window_bins = 256;  ///< For windows of gray values, as in the viewer.
 
 struct Histogram {
     double first = 0;  ///< Lower end of bin 0.

@@ -139,6 +139,36 @@ TEST_SUITE("host/io/mesh_simplify") {
         }
     }
 
+    TEST_CASE("a bound of the error is kept, and decides how many triangles are left") {
+        const Solid solid = sphere({3, -7, 100}, 50, 60, 90);
+        std::size_t fewest = solid.indices.size();
+        for (const double error_mm : {0.02, 0.1, 0.5, 2.0}) {
+            CAPTURE(error_mm);
+            const SimplifiedSurface got = simplify(solid.view(), 0, error_mm);
+            CHECK(got.moved_mm <= error_mm);
+            std::vector<std::array<std::uint32_t, 3>> triangles(got.indices.size() / 3);
+            for (std::size_t i = 0; i < got.indices.size(); ++i) {
+                triangles[i / 3][i % 3] = got.indices[i];
+            }
+            CHECK(pxpl5::host::farthest_distance(places(solid.vertices), places(got.vertices),
+                                                 triangles) <= error_mm);
+            CHECK(open_edges(got.indices).empty());
+            CHECK(got.indices.size() < fewest);
+            fewest = got.indices.size();
+        }
+        // Both together: at least the share stays.
+        CHECK(simplify(solid.view(), 0.5, 2).indices.size() > fewest);
+        CHECK(simplify(solid.view(), 0.5, 2).moved_mm <= 2);
+        // Both sides of a thin plate may not join each other: then nothing would be left.
+        const Solid plate = box({60, 60, 1});
+        const SimplifiedSurface thin = simplify(plate.view(), 0, 2.5);
+        CHECK(!thin.indices.empty());
+        CHECK(thin.moved_mm <= 2.5);
+        CHECK(open_edges(thin.indices).empty());
+        // Less than floating-point numbers tell apart: all triangles stay.
+        CHECK(simplify(solid.view(), 0, 1e-9).indices.size() == solid.indices.size());
+    }
+
     TEST_CASE("no edge has more than two triangles, not even where many triangles met in a point") {
         const Solid solid = sphere({0, 0, 0}, 30, 120, 180);  // 180 of them at each pole.
         for (const double keep : {0.5, 0.1, 0.01}) {

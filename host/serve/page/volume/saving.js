@@ -14,8 +14,11 @@ import {openSession, SESSION_ENDING} from './upload.js';
 
 const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'STL (.stl)'],
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
-const KEEPS = /** @type {const} */ ([['', 'all triangles'], ['0.5', '50 %'],
-  ['0.25', '25 %'], ['0.1', '10 %']]);
+const KEEPS = /** @type {const} */ ([['', 'all triangles'], [' keep=0.5', '50 %'],
+  [' keep=0.25', '25 %'], [' keep=0.1', '10 %'], [' error=0.1', 'within 0.1 mm'],
+  [' error=0.5', 'within 0.5 mm']]);
+const SMOOTHINGS = /** @type {const} */ ([['', 'not smoothed'],
+  [' smoothing=10', 'smoothed a little'], [' smoothing=50', 'smoothed']]);
 
 /**
  * Exports a mesh and saves it. Its certificate, and the colors of an OBJ, are links in the note:
@@ -80,16 +83,17 @@ function meshPart(app, dialog) {
   const axes = choice([['LPS', 'LPS (DICOM)'], ['RAS', 'RAS (NIfTI)']], 'Axes',
     'save-axes');
   const keep = choice(KEEPS, 'Triangles kept', 'save-keep');
+  const smoothing = choice(SMOOTHINGS, 'Smoothing', 'save-smoothing');
   const cap = h('input', {type: 'checkbox', 'data-testid': 'save-cap'});
   return h('section', {}, h('h3', {}, 'Mesh'),
     h('p', {class: 'muted'}, 'The visible surfaces, in patient coordinates (mm).'),
-    h('div', {class: 'row wrap'}, format, axes, keep,
+    h('div', {class: 'row wrap'}, format, axes, keep, smoothing,
       h('label', {class: 'row', title: 'Closes the mesh at the border of the scan and at clip '
         + 'planes'}, cap, 'closed at cuts'), h('span', {class: 'grow'}),
       h('button', {class: 'primary', 'data-testid': 'export-go', onclick: () => {
         dialog.close();
         void saveMesh(app, `${baseName(app)}.${format.value}`, ` axes=${axes.value}`
-          + (keep.value ? ` keep=${keep.value}` : '') + (cap.checked ? ' cap=yes' : ''));
+          + keep.value + smoothing.value + (cap.checked ? ' cap=yes' : ''));
       }}, 'Save mesh')));
 }
 

@@ -117,6 +117,26 @@ class Files(unittest.TestCase):
         self.assertGreater(results[5]["certificates"][0]["volume_ml"],
                            results[9]["certificates"][0]["volume_ml"])
 
+    def test_a_smoothed_mesh_keeps_its_volume_and_says_how_far_it_has_moved(self):
+        exact, smooth, few, capped = self.run_commands(
+            "load phantom:pelvis", "surface bone iso=300", "export exact.ply",
+            "export smooth.ply smoothing=20", "export few.ply smoothing=20 error=0.2",
+            "export capped.ply smoothing=20 cap=yes")[2:]
+        self.assertNotIn("smoothing", exact["surfaces"][0])
+        self.assertEqual(smooth["triangles"], exact["triangles"])
+        told = smooth["surfaces"][0]["smoothing"]
+        self.assertLess(told["mean_mm"], told["farthest_mm"])
+        self.assertLess(told["farthest_mm"], 3)
+        self.assertLess(abs(told["volume_change_ml"]), 3)
+        self.assertTrue(capped["closed"])
+        self.assertLess(few["triangles"], smooth["triangles"] / 2)
+        self.assertLessEqual(few["surfaces"][0]["moved_mm"], 0.2)
+        self.assertEqual(few["surfaces"][0]["smoothing"], told)
+        beside = json.loads(pathlib.Path(self.path(few["certificate"])).read_text())
+        self.assertEqual((beside["smoothing"], beside["error_mm"]), (20, 0.2))
+        self.assertEqual(beside["surfaces"][0]["smoothing"], told)
+        self.assertEqual(beside["surfaces"][0]["moved_mm"], few["surfaces"][0]["moved_mm"])
+
     def test_each_mesh_has_its_own_certificate(self):
         results = self.run_commands(
             "load phantom:sphere", "surface a iso=0.5", "surface none iso=5000",
