@@ -63,6 +63,24 @@ void check_slices(Check& check, const schema::VolumeHeader& header) {
     }
 }
 
+void check_times(Check& check, const schema::VolumeHeader& header) {
+    const auto* times = header.times_ms();
+    if (times == nullptr || times->size() == 0) {
+        return;
+    }
+    check.equal("number of times_ms", std::uint32_t{times->size()}, header.frames())
+        .within("number of times_ms", times->size(), 2, max_frames)
+        .equal("frame_ms beside times_ms", header.frame_ms(), 0.0)
+        .equal("times_ms 0", times->Get(0), 0.0);
+    for (flatbuffers::uoffset_t i = 1; i < times->size(); ++i) {
+        check.within("times_ms", times->Get(i), 0.0, max_frame_ms);
+        if (!(times->Get(i) > times->Get(i - 1))) {
+            check.add(
+                fmt::format("times_ms {} is {}, after {}", i, times->Get(i), times->Get(i - 1)));
+        }
+    }
+}
+
 /// A single slice has a place, though no surface: Graphics Processors refuse it.
 std::string range_of(const schema::VolumeHeader& header, Elements elements) {
     Check check;
@@ -80,6 +98,7 @@ std::string range_of(const schema::VolumeHeader& header, Elements elements) {
         .within("frame", header.frame(), 1, header.frames())
         .within("frame_ms", header.frame_ms(), 0.0, max_frame_ms);
     check_slices(check, header);
+    check_times(check, header);
     check.add(files_out_of_range(header, elements));
     if (header.windows() != nullptr) {
         check.at_most("number of windows", header.windows()->size(), std::uint32_t{max_windows});

@@ -77,12 +77,13 @@ void check_printable(const CommandDescriptor& command, const Parameter& paramete
 
 void check_value(const CommandDescriptor& command, const Parameter& parameter,
                  const std::string& text) {
+    const std::string what = fmt::format("{}: {}", command.name, parameter.name);
     switch (parameter.type) {
         case ValueType::number:
-            parse_number(parameter.name, text, parameter.low, parameter.high);
+            parse_number(what, text, parameter.low, parameter.high);
             break;
         case ValueType::whole:
-            parse_whole(parameter.name, text, static_cast<int>(parameter.low),
+            parse_whole(what, text, static_cast<int>(parameter.low),
                         static_cast<int>(parameter.high));
             break;
         case ValueType::choice:

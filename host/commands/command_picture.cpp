@@ -127,7 +127,7 @@ Reply run_orbit(Session& session, const Arguments& arguments) {
                  {"inflight", std::int64_t{in_flight}},
                  {"latency_ms", to_fields(report.latency_ms)},
                  {"written", files.written()}}};
-    files.add_film(reply);
+    files.add_files(reply);
     if (!files.has_interrupted()) {
         reply.text +=
             fmt::format(", {:.1f} frames/s, a view's picture after {:.1f} ms (p95 {:.1f})", rate,
@@ -174,7 +174,7 @@ Reply run_sweep(Session& session, const Arguments& arguments) {
          {"picture_ms", to_fields(report.picture_ms)},
          {"empty", empty},
          {"written", files.written()}}};
-    files.add_film(reply);
+    files.add_files(reply);
     if (empty != 0) {
         add_warning(
             reply,

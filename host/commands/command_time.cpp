@@ -6,6 +6,7 @@
 #include <functional>
 #include <iterator>
 #include <optional>
+#include <ranges>
 #include <vector>
 
 #include "host/base/answer.hpp"
@@ -17,16 +18,12 @@
 #include "host/commands/pictures/chart_file.hpp"
 #include "host/commands/pictures/picture_files.hpp"
 #include "host/commands/pictures/picture_settings.hpp"
+#include "host/commands/text/volume_text.hpp"
 #include "host/session/restore.hpp"
 
 namespace pxpl5::host {
 
 namespace {
-
-/// Time of a volume after the first in ms; nothing if the series does not state it.
-std::optional<double> time_ms(const Volume& volume, int frame) {
-    return volume.frame_ms > 0 ? std::optional(volume.frame_ms * (frame - 1)) : std::nullopt;
-}
 
 /// Throws RequestError (usage) if the volume is no time series.
 void check_series(const Volume& volume, const std::string& command) {
@@ -41,28 +38,30 @@ void check_series(const Volume& volume, const std::string& command) {
                                    : copies->text));
 }
 
+/// The volume nearest to a time after the first; of two that are as near, the earlier one.
+int frame_at(const Volume& volume, double at_ms) {
+    const std::optional<double> last_ms = time_ms(volume, volume.frames);
+    if (!last_ms) {
+        refuse_command(
+            fmt::format("time: {} does not state the times of its volumes: give the "
+                        "number of one, 1 to {}",
+                        volume.source, volume.frames));
+    }
+    if (ms_text(at_ms) != ms_text(*last_ms) && at_ms > *last_ms) {
+        refuse_command(fmt::format("time: at={} ms is beyond the last volume of {}: give 0 to {}",
+                                   ms_text(at_ms), volume.source, ms_text(*last_ms)));
+    }
+    const auto distance = [&](int frame) { return std::abs(*time_ms(volume, frame) - at_ms); };
+    return std::ranges::min(std::views::iota(1, volume.frames + 1), {}, distance);
+}
+
 /// The volume that the command names: a number, "next", "previous", or the one nearest to at=.
 int wished_frame(const Volume& volume, const Arguments& arguments) {
     if (arguments.has("at")) {
         if (!arguments.words.empty()) {
             refuse_command("time: give the number of a volume or at=, not both");
         }
-        if (volume.frame_ms <= 0) {
-            refuse_command(
-                fmt::format("time: {} does not state the time between its volumes: give the "
-                            "number of one, 1 to {}",
-                            volume.source, volume.frames));
-        }
-        const double at_ms = arguments.number("at", 0);
-        const double nearest = std::round(at_ms / volume.frame_ms) + 1;
-        if (nearest > volume.frames) {
-            refuse_command(
-                fmt::format("time: at={:g} ms is beyond the last volume of {}, at {:g} "
-                            "ms: give 0 to {:g}",
-                            at_ms, volume.source, volume.frame_ms * (volume.frames - 1),
-                            volume.frame_ms * (volume.frames - 1)));
-        }
-        return static_cast<int>(nearest);
+        return frame_at(volume, arguments.number("at", 0));
     }
     const std::string& word = arguments.words[0];
     if (word == "next") {
@@ -86,7 +85,7 @@ Reply describe_time(const Session& session) {
     const TimeSeries::Kept kept = session.series.kept();
     Reply reply{
         fmt::format("volume {} of {}{}; {} kept in memory ({:.1f} MiB)", volume.frame,
-                    volume.frames, ms ? fmt::format(", at {:g} ms", *ms) : "",
+                    volume.frames, ms ? fmt::format(", at {} ms", ms_text(*ms)) : "",
                     counted(kept.volumes, "other"), static_cast<double>(kept.bytes) / (1 << 20)),
         {{"frame", std::int64_t{volume.frame}},
          {"frames", std::int64_t{volume.frames}},
@@ -238,7 +237,7 @@ std::string summary_text(const Volume& volume, const Curve& curve) {
     const auto at = [&](const Measured& row) {
         const std::optional<double> ms = time_ms(volume, row.frame);
         return fmt::format("{:.2f} ml (volume {}{})", *row.volume_ml, row.frame,
-                           ms ? fmt::format(", {:g} ms", *ms) : "");
+                           ms ? fmt::format(", {} ms", ms_text(*ms)) : "");
     };
     const auto count = static_cast<int>(curve.rows.size());
     if (count == 1) {
@@ -255,7 +254,7 @@ std::string summary_text(const Volume& volume, const Curve& curve) {
 
 /// Volume and area of each surface over time.
 Chart curve_chart(const Volume& volume, const std::vector<Curve>& curves) {
-    const bool has_time = volume.frame_ms > 0;
+    const bool has_time = time_ms(volume, 1).has_value();
     const PlotAxis x{has_time ? "time (ms)" : "frame", PlotScale::linear};
     std::string note;
     for (const Curve& curve : curves) {
@@ -373,7 +372,7 @@ Reply run_cine(Session& session, const Arguments& arguments) {
         reply.text += fmt::format(", {:.1f}/s", rate);
         reply.fields.push_back({"volumes_per_s", rate});
     }
-    files.add_film(reply);
+    files.add_files(reply);
     reply.text += files.text();
     files.warn(reply);
     return reply;

@@ -23,7 +23,8 @@ int distance(int frame, const Volume& now) {
 
 bool is_alike(const Volume& next, const Volume& now) {
     return next.nx == now.nx && next.ny == now.ny && next.nz == now.nz &&
-           next.frames == now.frames && next.voxel_to_patient == now.voxel_to_patient &&
+           next.frames == now.frames && next.frame_ms == now.frame_ms &&
+           next.times_ms == now.times_ms && next.voxel_to_patient == now.voxel_to_patient &&
            next.slice_places == now.slice_places;
 }
 
@@ -65,8 +66,7 @@ void TimeSeries::show(int frame) {
         return;
     }
     check_frame(now, frame);
-    forget_others();
-    loads_ = volumes_.loads();
+    begin_series();
     std::vector<Volume> read = take(frame);
     check_alike(read.front(), frame, now);
     keep(volumes_.exchange(std::move(read.front())));
@@ -81,8 +81,24 @@ void TimeSeries::forget_others() {
     if (loads_ != volumes_.loads() || !volumes_.has_volume()) {
         kept_.clear();
         kept_bytes_ = 0;
+        window_.reset();
         reads_ahead_ = true;
     }
+}
+
+/// Notes what the series has of its first shown volume.
+void TimeSeries::begin_series() {
+    forget_others();
+    loads_ = volumes_.loads();
+    if (!window_) {
+        const Volume& first = volumes_.volume();
+        window_ = usual_window(first, histogram(first, window_bins));
+    }
+}
+
+GrayWindow TimeSeries::window() {
+    begin_series();
+    return *window_;
 }
 
 /// How many volumes from `frame` on one request reads: those that are not kept, up to the end of

@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "host/session/volumes.hpp"
+#include "host/surface/atlas/gray_window.hpp"
 
 namespace pxpl5::host {
 
@@ -35,10 +37,14 @@ class TimeSeries {
     /// one, which then stays; otherwise as Volumes::exchange().
     void show(int frame);
     Kept kept() const { return {kept_.size(), kept_bytes_}; }
+    /// The usual window of the volume that was shown first since the load. It is that of the whole
+    /// series: else gray values of one tissue would change with the time.
+    GrayWindow window();
     /// Frees the kept volumes if another volume, or none, was loaded since.
     void forget_others();
 
   private:
+    void begin_series();
     int count_to_read(int frame) const;
     std::vector<Volume> take(int frame);
     void keep(Volume volume);
@@ -47,6 +53,7 @@ class TimeSeries {
     int loads_ = 0;               ///< Volumes::loads() of the series.
     std::map<int, Volume> kept_;  ///< By number in the series.
     std::size_t kept_bytes_ = 0;
+    std::optional<GrayWindow> window_;
     bool reads_ahead_ = true;  ///< False after a volume of the series could not be read.
 };
 

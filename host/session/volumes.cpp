@@ -207,8 +207,9 @@ void Volumes::begin_distribution(Volume& volume, Loading& loading) {
     if (volume.nz < 2) {
         throw RequestError(
             ExitCode::bad_data,
-            fmt::format("{}: {} x {} x {} voxels are a single slice, which has no surface; "
-                        "'info' tells of it",
+            fmt::format("{}: {} x {} x {} voxels are a single slice, which has no surface: "
+                        "load the folder or the file that also has the other slices. info "
+                        "describes this one",
                         loading.source, volume.nx, volume.ny, volume.nz));
     }
     replace_content();  // Not earlier, because the new volume might have been unreadable.

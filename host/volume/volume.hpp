@@ -46,9 +46,13 @@ struct Volume {
     std::vector<NamedWindow> windows;  ///< Windows of the file, the preferred one first.
     /// Standardized uptake value by body weight (g/ml) of a value of 1; 0 if it is not known.
     double suv_per_value = 0;
-    std::string series;             ///< SeriesInstanceUID of DICOM files; else empty.
-    int frame = 1, frames = 1;      ///< Number in its time series, from 1, and how many there are.
-    double frame_ms = 0;            ///< From one volume of the series to the next; 0 if unknown.
+    std::string series;         ///< SeriesInstanceUID of DICOM files; else empty.
+    int frame = 1, frames = 1;  ///< Number in its time series, from 1, and how many there are.
+    /// From one volume of the series to the next; 0 if it is unknown or not always the same.
+    double frame_ms = 0;
+    /// Time of each volume of the series after the first, ascending from 0. Empty if frame_ms is
+    /// known, or the series does not state times.
+    std::vector<double> times_ms;
     std::vector<Finding> findings;  ///< Facts that the user must know.
     int slabs_per_set = 1;          ///< Adjacent slabs that go to one GP; 1 in the paper.
     std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.
@@ -64,6 +68,14 @@ struct Volume {
 /// Whether the file does not state the whole position and spacing, so that a part is assumed.
 inline bool is_assumed(const Volume& volume) {
     return std::ranges::count(volume.findings, FindingKind::assumption, &Finding::kind) != 0;
+}
+
+/// Time of volume `frame` of the series after the first; nothing if the series does not state it.
+inline std::optional<double> time_ms(const Volume& volume, int frame) {
+    return volume.frame_ms > 0 ? std::optional(volume.frame_ms * (frame - 1))
+           : volume.times_ms.empty()
+               ? std::nullopt
+               : std::optional(volume.times_ms.at(static_cast<std::size_t>(frame) - 1));
 }
 
 /// z of the last slice in the grid.

@@ -69,6 +69,7 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
     header.frame = static_cast<std::uint32_t>(volume.frame);
     header.frames = static_cast<std::uint32_t>(volume.frames);
     header.frame_ms = volume.frame_ms;
+    header.times_ms = volume.times_ms;
     for (const NamedWindow& window : volume.windows) {
         auto wire = std::make_unique<schema::NamedWindowT>();
         wire->name = window.name;
@@ -125,6 +126,9 @@ void VolumeReceiver::take_report(const schema::VolumeHeader& header) {
     volume_.frame = static_cast<int>(header.frame());
     volume_.frames = static_cast<int>(header.frames());
     volume_.frame_ms = header.frame_ms();
+    if (header.times_ms() != nullptr) {
+        volume_.times_ms.assign(header.times_ms()->begin(), header.times_ms()->end());
+    }
     if (header.windows() != nullptr) {
         for (const auto* window : *header.windows()) {
             volume_.windows.push_back({window->name()->str(), window->width(), window->level()});

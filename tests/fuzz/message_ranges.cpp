@@ -88,6 +88,14 @@ void check(const VolumeHeader& header) {
     in("frames", header.frames(), 1, max_frames);
     in("frame", header.frame(), 1, header.frames());
     in("frame_ms", header.frame_ms(), 0, max_frame_ms);
+    require(length(header.times_ms()) == 0 || header.times_ms()->size() == header.frames(),
+            "times_ms");
+    require(length(header.times_ms()) == 0 || header.frame_ms() == 0, "frame_ms beside times_ms");
+    require(length(header.times_ms()) != 1, "times_ms of one volume");
+    ascending("times_ms", header.times_ms());
+    for (flatbuffers::uoffset_t i = 0; i < length(header.times_ms()); ++i) {
+        in("times_ms", header.times_ms()->Get(i), 0, i == 0 ? 0 : max_frame_ms);
+    }
 }
 
 void check(const Slices& slices) {
@@ -127,6 +135,7 @@ void check(const ExportMesh& mesh) {
     in("surfaces", mesh.surfaces()->size(), 1, max_surfaces);
     known("axes", mesh.axes());
     in("keep", mesh.keep(), 0, 1);
+    in("error_mm", mesh.error_mm(), 0, max_error_mm);
     each(mesh.surfaces(), [](const ExportSurface& surface) { triangles(surface); });
 }
 

@@ -72,6 +72,11 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VolumeHeaderT, m.frames = 0, "frames is 0");
         CHECK_REFUSED(VolumeHeaderT, m.frame = 6, "frame is 6, allowed are 1 .. 5");
         CHECK_REFUSED(VolumeHeaderT, m.frame_ms = nan_value, "frame_ms is nan");
+        CHECK_REFUSED(VolumeHeaderT, m.frame_ms = 30, "frame_ms beside times_ms is 30, expected 0");
+        CHECK_REFUSED(VolumeHeaderT, m.times_ms.pop_back(), "times_ms is 4, expected 5");
+        CHECK_REFUSED(VolumeHeaderT, m.times_ms[0] = 1, "times_ms 0 is 1, expected 0");
+        CHECK_REFUSED(VolumeHeaderT, m.times_ms[3] = 40, "times_ms 3 is 40, after 40");
+        CHECK_REFUSED(VolumeHeaderT, m.times_ms[4] = nan_value, "times_ms is nan");
         CHECK_REFUSED(VolumeHeaderT, m.windows[0]->width = 0, "width of a window is 0");
         CHECK_REFUSED(VolumeHeaderT, m.windows[0]->level = nan_value, "level of a window is nan");
         CHECK_REFUSED(VolumeHeaderT, m.findings[0]->kind = static_cast<FindingKind>(99),
@@ -114,6 +119,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ExportMeshT, m.surfaces.clear(), "number of surfaces is 0");
         CHECK_REFUSED(ExportMeshT, m.surfaces[0]->indices[0] = 3, "index 3 of 3 vertices");
         CHECK_REFUSED(ExportMeshT, m.keep = 1.5F, "keep is 1.5");
+        CHECK_REFUSED(ExportMeshT, m.error_mm = -1, "error_mm is -1");
         CHECK_REFUSED(ExportMeshT, m.axes = static_cast<PatientAxes>(9), "axes is 9");
     }
 

@@ -109,9 +109,11 @@ void PictureFiles::finish() {
     }
 }
 
-void PictureFiles::add_film(Reply& reply) const {
+void PictureFiles::add_files(Reply& reply) const {
+    if (!pattern_.empty()) {
+        reply.fields.push_back({is_film_ || is_animation_ ? "file" : "files", pattern_});
+    }
     if (film_) {
-        reply.fields.push_back({"file", pattern_});
         reply.fields.push_back({"rate", rate_});
         reply.fields.push_back({"duration_s", count_ / rate_});
     }
@@ -126,7 +128,7 @@ void PictureFiles::warn(Reply& reply) const {
 std::string PictureFiles::text() const {
     return film_ ? fmt::format("; wrote {} ({:.1f} s, {:g} frames/s)", pattern_, count_ / rate_,
                                rate_)
-           : has_interrupted() ? fmt::format(", {} pictures written", written_)
+           : has_interrupted() ? fmt::format("; wrote {} ({} pictures)", pattern_, written_)
            : written_ != 0     ? "; wrote " + pattern_
                                : "";
 }

@@ -39,8 +39,8 @@ class PictureFiles {
     /// Writes the animation or the end of the film, if it is one.
     void finish();
     std::int64_t written() const { return written_; }
-    /// Adds what the reply says of a film.
-    void add_film(Reply& reply) const;
+    /// Adds where the pictures are, and what the reply says of a film.
+    void add_files(Reply& reply) const;
     /// Adds a warning if pictures were written in which nothing is visible.
     void warn(Reply& reply) const;
     /// Whether files were written between the pictures: times then tell of writing.

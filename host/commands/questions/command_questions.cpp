@@ -18,6 +18,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr const char* usual_bins = "256";
+static_assert(window_bins == 256, "a viewer takes its window from the usual bins");
 
 struct Pixel {
     int x = 0, y = 0;

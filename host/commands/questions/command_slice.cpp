@@ -21,22 +21,20 @@ namespace pxpl5::host {
 
 namespace {
 
-GrayWindow parse_window(const Session& session, const Arguments& arguments) {
+GrayWindow parse_window(Session& session, const Arguments& arguments) {
     GrayWindow window;
     if (!arguments.has("window") || !arguments.has("level")) {
-        window = usual_window(session.volumes.volume());
+        window = session.series.window();
     }
     return {arguments.number("window", window.width), arguments.number("level", window.level)};
 }
 
 /// If the third word names a file, writes the picture to it, and says so.
 void write_slice(Reply& reply, Session& session, const Arguments& arguments, const Slice& slice,
-                 const std::vector<SurfaceContour>& contours, const std::string& place) {
+                 const std::vector<SurfaceContour>& contours, const std::string& title) {
     if (arguments.words.size() < 3) {
         return;
     }
-    const std::string time = time_place(session.volumes.volume());
-    const std::string title = time.empty() ? place : time + ": " + place;
     const GrayWindow window = parse_window(session, arguments);
     const SlicePicture drawn = slice_picture(
         slice, contours, window, session.scene.size,
@@ -116,6 +114,23 @@ std::int64_t pieces_of(const std::vector<SurfaceContour>& contours) {
     return pieces;
 }
 
+/// "13/30, 360 ms: slice z 30": which volume of a time series the slice is of.
+std::string timed(const Volume& volume, const std::string& title) {
+    const std::string time = time_place(volume);
+    return time.empty() ? title : time + ": " + title;
+}
+
+/// The same for programs; nothing without a series.
+void add_time(Reply& reply, const Volume& volume) {
+    if (volume.frames == 1) {
+        return;
+    }
+    reply.fields.push_back({"frame", std::int64_t{volume.frame}});
+    if (const std::optional<double> ms = time_ms(volume, volume.frame)) {
+        reply.fields.push_back({"time_ms", *ms});
+    }
+}
+
 Fields letter_fields(const SliceFrame& frame) {
     return {{"left", frame.across.begin},
             {"right", frame.across.end},
@@ -151,13 +166,18 @@ Reply run_slice(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();
     const int axis = arguments.words[0][0] - 'x';
     const int count = axis == 0 ? volume.nx : axis == 1 ? volume.ny : volume.nz;
-    const int index = parse_whole("INDEX", arguments.words[1], 0, count - 1);
+    const int index = parse_whole("slice: INDEX", arguments.words[1]);
+    if (index < 0 || index >= count) {
+        refuse_command(fmt::format("slice: {} has no slice {} along {}: give 0 to {}",
+                                   volume.source, index, "xyz"[axis], count - 1));
+    }
     const std::optional<SlabWish> wish = parse_slab(arguments);
     const Slab slab = wish ? session.voxels.slab(axis, index, *wish)
                            : Slab{session.voxels.slice(axis, index), {}, {index, index}};
     const SliceFrame& frame = slab.middle.frame;
     const std::vector<SurfaceContour> contours = contours_of(session.scene, slab.middle);
-    std::string title = fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1);
+    std::string title =
+        timed(volume, fmt::format("slice {} {} of 0..{}", "xyz"[axis], index, count - 1));
 
     Reply reply;
     reply.text = fmt::format("{}: {} x {} voxels of {:.4g} x {:.4g} mm; {}", title,
@@ -174,6 +194,7 @@ Reply run_slice(Session& session, const Arguments& arguments) {
                     {"index", std::int64_t{index}},
                     {"slices", std::int64_t{count}}};
     std::ranges::move(slice_fields(frame, contours, hidden), std::back_inserter(reply.fields));
+    add_time(reply, volume);
     if (wish) {
         const std::string words = slab_words(*wish, slab.range);
         reply.text += fmt::format("\n{}, within {:.6g} mm", words, wish->thickness_mm);
@@ -213,8 +234,9 @@ Reply run_oblique(Session& session, const Arguments& arguments) {
     const Slice slice = slice_of_values(plane, values);
     const std::vector<SurfaceContour> contours = contours_of(session.scene, plane, values);
     const std::vector<std::string> hidden = hidden_in_3d(session.scene, contours);
-    const std::string title = fmt::format("oblique {:.6g} {:.6g} at {} mm", angles.tilt_deg,
-                                          angles.turn_deg, place_text(through));
+    const std::string title =
+        timed(volume, fmt::format("oblique {:.6g} {:.6g} at {} mm", angles.tilt_deg,
+                                  angles.turn_deg, place_text(through)));
     Reply reply;
     reply.text = fmt::format("{}: {} x {} pixels of {:.4g} mm; {}", title, plane.width,
                              plane.height, plane.pixel_mm, letter_text(slice.frame)) +
@@ -230,6 +252,7 @@ Reply run_oblique(Session& session, const Arguments& arguments) {
                     {"letters", letter_fields(slice.frame)},
                     {"contours", pieces_of(contours)},
                     {"hidden_in_3d", hidden}};
+    add_time(reply, volume);
     write_slice(reply, session, arguments, slice, contours, title);
     return reply;
 }

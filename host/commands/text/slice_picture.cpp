@@ -4,20 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/chart/chart.hpp"
 #include "host/commands/text/volume_text.hpp"
 
 namespace pxpl5::host {
 
 namespace {
 
-constexpr GrayWindow soft_tissue_hu{400, 40};
-constexpr double most_uptake = 10;  // Standardized uptake value, g/ml.
-constexpr int histogram_bins = 1024, dark_per_mille = 5, bright_per_mille = 995;
 constexpr std::uint32_t opaque_black = 0xFF00'0000U;
-constexpr float letter_px = 18, title_px = 12, halo_px = 2, margin_px = 8, contour_px = 1.5F;
+constexpr float letter_px = 18, title_px = 12, halo_px = 2, margin_px = 8, contour_px = 1.5F,
+                line_step = 1.35F;
 constexpr MarkColor ink{240, 240, 236, 255};
 
 /// Between a slice's voxels and a picture's pixels. Half a voxel lies beyond the outermost ones'
@@ -70,6 +70,20 @@ std::uint32_t gray_of(double value, const GrayWindow& window) {
     return opaque_black | gray << 16 | gray << 8 | gray;
 }
 
+/// The title in lines that fit into the picture.
+std::vector<std::string> title_lines(const std::string& title, double room_px) {
+    std::vector<std::string> lines;
+    std::istringstream words(title);
+    for (std::string word; words >> word;) {
+        if (lines.empty() || text_width(lines.back() + " " + word, title_px) > room_px) {
+            lines.push_back(word);
+        } else {
+            lines.back() += " " + word;
+        }
+    }
+    return lines;
+}
+
 void add_letters(const SliceFrame& frame, const Picture& picture, const Caption& caption,
                  std::vector<PictureMark>& marks) {
     const auto width = static_cast<float>(picture.width);
@@ -82,8 +96,14 @@ void add_letters(const SliceFrame& frame, const Picture& picture, const Caption&
     add({margin_px, height / 2}, frame.across.begin, 0, 0.5F, letter_px);
     add({width - margin_px, height / 2}, frame.across.end, 1, 0.5F, letter_px);
     add({width / 2, margin_px}, frame.down.begin, 0.5F, 0, letter_px);
-    add({width / 2, height - margin_px - title_px}, frame.down.end, 0.5F, 1, letter_px);
-    add({margin_px, height - margin_px / 2}, caption.title, 0, 1, title_px);
+    const std::vector<std::string> lines = title_lines(caption.title, width - 2 * margin_px);
+    float bottom = height - margin_px / 2;
+    for (std::size_t line = lines.size(); line-- > 0; bottom -= title_px * line_step) {
+        add({margin_px, bottom}, lines[line], 0, 1, title_px);
+    }
+    const float more =
+        title_px * line_step * static_cast<float>(std::max<std::size_t>(lines.size(), 1) - 1);
+    add({width / 2, height - margin_px - title_px - more}, frame.down.end, 0.5F, 1, letter_px);
     // Left of the letter at the top, or, where that is too narrow, below the letter.
     const bool is_narrow = picture.width < smallest_legend_px;
     const float room = is_narrow ? width - 2 * margin_px : width / 2 - 2 * margin_px - letter_px;
@@ -99,27 +119,6 @@ bool has_contours(const Surface& surface) {
 }
 
 }  // namespace
-
-std::optional<GrayWindow> stated_window(const Volume& volume) {
-    if (volume.suv_per_value > 0) {
-        return GrayWindow{most_uptake / volume.suv_per_value,
-                          most_uptake / 2 / volume.suv_per_value};
-    }
-    if (!volume.windows.empty()) {
-        return GrayWindow{volume.windows.front().width, volume.windows.front().level};
-    }
-    return volume.modality == "CT" ? std::optional(soft_tissue_hu) : std::nullopt;
-}
-
-GrayWindow usual_window(const Volume& volume) {
-    if (const std::optional<GrayWindow> stated = stated_window(volume)) {
-        return *stated;
-    }
-    const Histogram counted = histogram(volume, histogram_bins);
-    const double dark = quantile(counted, dark_per_mille);
-    const double bright = quantile(counted, bright_per_mille) + counted.width;
-    return {bright - dark, (dark + bright) / 2};
-}
 
 std::vector<SurfaceContour> contours_of(const Scene& scene, const Slice& slice) {
     const std::vector<double> numbers = numbers_of(slice);

@@ -14,18 +14,6 @@
 
 namespace pxpl5::host {
 
-/// Values from level - width / 2 (black) to level + width / 2 (white).
-struct GrayWindow {
-    double width = 1, level = 0;
-};
-
-/// The window that the file or the kind of scan gives: standardized uptake values from 0 to 10,
-/// else the file's preferred window, else for CT soft tissue. Nothing for other scans.
-std::optional<GrayWindow> stated_window(const Volume& volume);
-
-/// stated_window(), else a window without the darkest and brightest 0.5 %.
-GrayWindow usual_window(const Volume& volume);
-
 /// A surface's contours in a slice.
 struct SurfaceContour {
     const Surface* surface = nullptr;

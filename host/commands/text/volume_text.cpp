@@ -7,6 +7,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <numeric>
 
 #include "host/base/chart_axis.hpp"
 #include "host/phantom/phantom.hpp"
@@ -20,12 +21,12 @@ glm::dvec3 axis_mm(const Volume& volume, int axis) {
     return glm::dvec3(volume.voxel_to_patient[axis]);
 }
 
-/// Whether a finding makes the geometry of the volume uncertain.
+/// Whether a finding makes the geometry of the volume uncertain, or says that volumes are missing.
 bool is_warning(FindingKind kind) {
     using enum FindingKind;
     return kind == assumption || kind == gantry_tilt || kind == missing_slices ||
            kind == uneven_slices || kind == duplicate_slices || kind == mixed_orientations ||
-           kind == thickness_differs;
+           kind == thickness_differs || kind == missing_volumes;
 }
 
 std::vector<double> list_of(const glm::dvec3& v) {
@@ -45,15 +46,34 @@ std::vector<double> quantiles(const Histogram& counted) {
     return values;
 }
 
+std::string percentiles_text(const std::vector<double>& shares) {
+    std::string text = "\npercentiles:";
+    for (std::size_t i = 0; i < shares.size(); ++i) {
+        text += fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);
+    }
+    return text;
+}
+
+std::string apart_text(const Volume& volume) {
+    if (volume.frame_ms > 0) {
+        return fmt::format("volumes are {:.6g} ms apart", volume.frame_ms);
+    }
+    if (volume.times_ms.empty()) {
+        return "the times of the volumes are not stated";
+    }
+    std::vector<double> steps(volume.times_ms.size());
+    std::adjacent_difference(volume.times_ms.begin(), volume.times_ms.end(), steps.begin());
+    const auto [least, most] = std::minmax_element(steps.begin() + 1, steps.end());
+    return fmt::format("volumes are {:.6g} to {:.6g} ms apart", *least, *most);
+}
+
 /// A line about the time series; empty without one.
 std::string series_text(const Volume& volume) {
     const std::string place = time_place(volume);
     if (place.empty()) {
         return {};
     }
-    return "\ntime series: " + place +
-           (volume.frame_ms > 0 ? fmt::format("; volumes are {:.6g} ms apart", volume.frame_ms)
-                                : "; the time from volume to volume is not stated or not even");
+    return "\ntime series: " + place + "; " + apart_text(volume);
 }
 
 }  // namespace
@@ -182,14 +202,18 @@ std::vector<Fields> tell_findings(const Volume& volume, Reply& reply) {
 
 }  // namespace
 
+std::string ms_text(double ms) {
+    constexpr double per_ms = 1000;
+    return fmt::format("{}", std::round(ms * per_ms) / per_ms);
+}
+
 std::string time_place(const Volume& volume) {
     if (volume.frames == 1) {
         return {};
     }
+    const std::optional<double> ms = time_ms(volume, volume.frame);
     return fmt::format("{}/{}{}", volume.frame, volume.frames,
-                       volume.frame_ms > 0
-                           ? fmt::format(", {} ms", grouped(volume.frame_ms * (volume.frame - 1)))
-                           : "");
+                       ms ? fmt::format(", {} ms", grouped(*ms)) : "");
 }
 
 Reply describe_volume(const Volume& volume, VolumeDetail detail) {
@@ -221,11 +245,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
     reply.text += " LPS" + series_text(volume);
     const Histogram counted = histogram(volume, histogram_bins);
     const std::vector<double> shares = quantiles(counted);
-    reply.text += "\npercentiles:";
-    for (std::size_t i = 0; i < shares.size(); ++i) {
-        reply.text +=
-            fmt::format("{} {} % {:.6g}", i == 0 ? "" : ",", quantile_percent[i], shares[i]);
-    }
+    reply.text += percentiles_text(shares);
     if (detail == VolumeDetail::all) {
         reply.text += "\n" + histogram_text(counted, volume.reduction);
     }
@@ -257,6 +277,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"frame", std::int64_t{volume.frame}},
         {"frames", std::int64_t{volume.frames}},
         {"frame_ms", volume.frame_ms},
+        {"times_ms", volume.times_ms},
         {"gap_slabs", std::vector<std::int64_t>(volume.gap_slabs.begin(), volume.gap_slabs.end())},
         {"notes", notes},
         {"surfaces", surfaces}};

@@ -25,6 +25,8 @@ std::string place_warning(const Volume& volume);
 
 /// "14/30, 390 ms": the volume's place in its time series. Empty without one.
 std::string time_place(const Volume& volume);
+/// A time to the microsecond: "33.333", "870".
+std::string ms_text(double ms);
 
 /// Distance between voxel centers along x, y and z in millimeters.
 glm::dvec3 spacing_mm(const Volume& volume);

@@ -116,31 +116,27 @@ void check_positions(const std::string& source, std::vector<DicomSlice>& slices,
                     source, name_of(*without)));
 }
 
-/// "a, b, c and 4 more".
-std::string named(const std::vector<std::string>& names) {
-    const std::vector<std::string> few(
-        names.begin(),
-        names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), max_named)));
-    const std::string rest =
-        names.size() > max_named ? fmt::format(" and {} more", names.size() - max_named) : "";
-    return fmt::format("{}{}", fmt::join(few, "; "), rest);
-}
-
-void report_duplicates(std::size_t kept, const std::vector<std::string>& copies,
-                       const TimeOrder& times, std::vector<Finding>& findings) {
+/// `places`  Indices of the slices at each place, of which the first is kept.
+void report_duplicates(const std::vector<std::vector<std::size_t>>& places,
+                       const std::vector<std::string>& copies, const TimeOrder& times,
+                       std::vector<Finding>& findings) {
     if (copies.empty()) {
         return;
     }
-    const bool is_series_of_volumes = times.is_even && copies.size() % kept == 0 && kept > 1;
+    const auto [least, most] = std::ranges::minmax(places, {}, &std::vector<std::size_t>::size);
+    const bool may_be_series = least.size() > 1 && places.size() > 1;
+    const std::string times_there = least.size() == most.size()
+                                        ? std::to_string(most.size())
+                                        : fmt::format("{} to {}", least.size(), most.size());
     findings.push_back(
         {FindingKind::duplicate_slices,
          fmt::format("{} slices have the position of another and are left out{}: {}", copies.size(),
-                     is_series_of_volumes
-                         ? fmt::format(" (each position is there {} times, but this is no time "
-                                       "series: {})",
-                                       copies.size() / kept + 1, times.why_not)
+                     may_be_series
+                         ? fmt::format(" (each position occurs {} times, but this is no time "
+                                       "series: {}; the shown volume may mix them)",
+                                       times_there, times.why_not)
                          : "",
-                     named(copies))});
+                     few_of(copies))});
 }
 
 double median_of(std::vector<double> values) {
@@ -230,14 +226,14 @@ void report_steps(const OrderedSlices& ordered, const Steps& steps, Volume& volu
         volume.findings.push_back(
             {FindingKind::missing_slices,
              fmt::format("about {} {} missing, {:.3f} mm in all: {}; elsewhere {}", missing,
-                         missing == 1 ? "slice is" : "slices are", missing_mm, named(gaps),
+                         missing == 1 ? "slice is" : "slices are", missing_mm, few_of(gaps),
                          steps.usual)});
     }
     if (!uneven.empty()) {
         volume.findings.push_back(
             {FindingKind::uneven_slices,
              fmt::format("{} of {} steps between slices are uneven: {}; {}{}", uneven.size(),
-                         steps.mm.size(), named(uneven),
+                         steps.mm.size(), few_of(uneven),
                          steps.per_thickness > 0 ? "the usual ones are " : "the median is ",
                          steps.usual)});
     }
@@ -297,6 +293,15 @@ glm::dvec3 single_step(const DicomSlice& slice, const ImportRequest& request, Vo
 
 }  // namespace
 
+std::string few_of(const std::vector<std::string>& names) {
+    const std::vector<std::string> few(
+        names.begin(),
+        names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), max_named)));
+    const std::string rest =
+        names.size() > max_named ? fmt::format(" and {} more", names.size() - max_named) : "";
+    return fmt::format("{}{}", fmt::join(few, "; "), rest);
+}
+
 OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> series,
                            const ImportRequest& request, std::vector<Finding>& findings) {
     std::vector<DicomSlice> slices = largest_shape(source, std::move(series), findings);
@@ -322,8 +327,12 @@ OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> se
     const TimeOrder times = sort_by_time(slices, places);
     check_frame(source, "series", request.frame, static_cast<std::uint64_t>(times.frames),
                 times.why_not);
-    OrderedSlices ordered{
-        {}, {}, std::max(static_cast<int>(request.frame), 1), times.frames, times.frame_ms};
+    OrderedSlices ordered{{},
+                          {},
+                          std::max(static_cast<int>(request.frame), 1),
+                          times.frames,
+                          times.frame_ms,
+                          times.times_ms};
     report_times(times, ordered.frame, findings);
     // Without an order in time, the first image of the series counts at each place.
     const auto taken = static_cast<std::size_t>(ordered.frame - 1);
@@ -338,7 +347,7 @@ OrderedSlices order_slices(const std::string& source, std::vector<DicomSlice> se
                                          name_of(slices[place[0]])));
         }
     }
-    report_duplicates(ordered.slices.size(), copies, times, findings);
+    report_duplicates(places, copies, times, findings);
     return ordered;
 }
 

@@ -265,6 +265,7 @@ OrderedSeries order_series(const std::string& source, std::vector<DicomSlice> sl
     volume.frame = ordered.frame;
     volume.frames = ordered.frames;
     volume.frame_ms = ordered.frame_ms;
+    volume.times_ms = ordered.times_ms;
     place_slices(ordered, request, volume);
     report_slices(ordered.slices, volume.findings);
     take_display(ordered.slices, volume);

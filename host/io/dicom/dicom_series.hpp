@@ -139,18 +139,25 @@ struct OrderedSlices {
     std::vector<DicomSlice> slices;
     std::vector<double> along_mm;  ///< Ascending.
     int frame = 1, frames = 1;     ///< Number in its time series, from 1, and how many there are.
-    double frame_ms = 0;           ///< From one volume of the series to the next; 0 if unknown.
+    double frame_ms = 0;           ///< See Volume::frame_ms.
+    std::vector<double> times_ms;  ///< See Volume::times_ms.
+};
+
+/// Slices that are not shown because their volumes lack others.
+struct LeftOut {
+    std::size_t slices = 0;
+    std::vector<std::string> volumes;  ///< "volume 3 of 20 (Trigger Time 66.7) has 7 of 8 slices".
+    bool has_first = false;            ///< The first volume is one of them.
 };
 
 /// How the slices of one place follow each other in time.
 struct TimeOrder {
-    int frames = 1;            ///< 1: they do not.
-    double frame_ms = 0;       ///< From one volume to the next; 0 if unknown or uneven.
-    std::string uneven;        ///< "40 to 80 ms" if the steps differ.
-    std::string told_by;       ///< "Trigger Time".
-    std::string why_not;       ///< Why slices of one place are no time series; else empty.
-    std::size_t left_out = 0;  ///< Slices of incomplete volumes.
-    bool is_even = true;       ///< All places had the same number of slices.
+    int frames = 1;                ///< 1: they do not.
+    double frame_ms = 0;           ///< From one volume to the next; 0 if unknown or uneven.
+    std::vector<double> times_ms;  ///< See Volume::times_ms.
+    std::string told_by;           ///< "Trigger Time".
+    std::string why_not;           ///< Why slices of one place are no time series; else empty.
+    LeftOut left_out;
 };
 
 /// Sorts the slices of each place by time if all places have the same number of slices, and one
@@ -160,6 +167,9 @@ struct TimeOrder {
 /// places  Indices into `slices`, for each place in the patient.
 TimeOrder sort_by_time(const std::vector<DicomSlice>& slices,
                        std::vector<std::vector<std::size_t>>& places);
+
+/// "a; b; c and 4 more", for a finding.
+std::string few_of(const std::vector<std::string>& names);
 
 /// Says which volume of a time series is taken, from 1, and what was left out; else nothing.
 void report_times(const TimeOrder& times, int frame, std::vector<Finding>& findings);

@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
+#include <map>
 #include <numeric>
 #include <set>
 
@@ -24,11 +26,12 @@ using Time = std::optional<double> DicomTimes::*;
 struct TimeField {
     Time time;
     const char* name;
-    bool is_clock = false;  ///< In milliseconds.
+    bool is_clock = false;    ///< In milliseconds.
+    bool is_readable = true;  ///< The value is that of the file.
 };
 constexpr TimeField position{&DicomTimes::position, "Temporal Position"},
     trigger{&DicomTimes::trigger_ms, "Trigger Time", true},
-    acquisition_time{&DicomTimes::acquisition_ms, "Acquisition Time", true},
+    acquisition_time{&DicomTimes::acquisition_ms, "Acquisition Time", true, false},
     acquisition_number{&DicomTimes::acquisition, "Acquisition Number"};
 
 /// The slices of one series and their places.
@@ -83,20 +86,35 @@ class Order {
     }
 
     /// Removes slices whose time does not occur at every place, if at least half of the times do.
-    /// Returns how many slices were removed.
-    std::size_t keep_whole_volumes(Time time) {
-        std::set<double> whole = times_at(places_.front(), time);
+    LeftOut keep_whole_volumes(const TimeField& field) {
+        std::map<double, std::size_t> counts;  // Places that have the time.
         std::size_t most = 0;
         for (const std::vector<std::size_t>& place : places_) {
-            const std::set<double> here = times_at(place, time);
-            std::erase_if(whole, [&](double value) { return !here.contains(value); });
+            for (const double time : times_at(place, field.time)) {
+                ++counts[time];
+            }
             most = std::max(most, place.size());
         }
-        std::size_t left_out = 0;
+        const auto is_whole = [&](const auto& each) { return each.second == places_.size(); };
+        const auto whole = static_cast<std::size_t>(std::ranges::count_if(counts, is_whole));
+        LeftOut left_out;
+        if (whole < 2 || 2 * whole < most) {
+            return left_out;
+        }
         for (std::vector<std::size_t>& place : places_) {
-            if (whole.size() >= 2 && 2 * whole.size() >= most) {
-                left_out += std::erase_if(
-                    place, [&](std::size_t i) { return !whole.contains(*(slice(i).times.*time)); });
+            left_out.slices += std::erase_if(place, [&](std::size_t i) {
+                return counts.at(*(slice(i).times.*field.time)) != places_.size();
+            });
+        }
+        std::size_t number = 0;
+        for (const auto& each : counts) {
+            ++number;
+            if (!is_whole(each)) {
+                left_out.volumes.push_back(fmt::format(
+                    "volume {} of {}{} has {} of {} slices", number, counts.size(),
+                    field.is_readable ? fmt::format(" ({} {:g})", field.name, each.first) : "",
+                    each.second, places_.size()));
+                left_out.has_first = left_out.has_first || number == 1;
             }
         }
         return left_out;
@@ -131,6 +149,19 @@ class Order {
         return is_even && mean <= max_frame_ms ? std::round(mean * per_ms) / per_ms : 0;
     }
 
+    /// Time of each volume after the first; empty if the clock does not ascend with them.
+    std::vector<double> times_ms(Time clock) const {
+        if (!has(clock)) {
+            return {};
+        }
+        std::vector<double> times = {0};
+        for (const double step : steps_ms(clock)) {
+            times.push_back(std::round((times.back() + step) * per_ms) / per_ms);
+        }
+        const bool ascends = std::ranges::adjacent_find(times, std::greater_equal{}) == times.end();
+        return ascends && times.back() <= max_frame_ms ? times : std::vector<double>{};
+    }
+
   private:
     const DicomSlice& slice(std::size_t i) const { return (*slices_)[i]; }
 
@@ -163,21 +194,34 @@ std::vector<TimeField> fields_of(const Order& order) {
 
 /// Removes the slices of incomplete volumes. Where all places have the same number of slices, only
 /// the number in time shows which volume is incomplete: clocks may differ from place to place.
-/// Returns how many slices were removed.
-std::size_t keep_whole_volumes(Order& order) {
+LeftOut keep_whole_volumes(Order& order) {
     for (const TimeField& field : {position, trigger, acquisition_time, acquisition_number}) {
         Order kept = order;
         const bool tells = field.time == position.time || !order.has_as_many_everywhere();
         if (!tells || !order.has(field.time) || !kept.sort_by(field.time)) {
             continue;
         }
-        const std::size_t left_out = kept.keep_whole_volumes(field.time);
-        if (left_out > 0) {
+        LeftOut left_out = kept.keep_whole_volumes(field);
+        if (left_out.slices > 0) {
             order = kept;
             return left_out;
         }
     }
-    return 0;
+    return {};
+}
+
+/// The time from one volume to the next, or the time of each volume if that differs.
+void take_times(const Order& order, const TimeField& field, TimeOrder& found) {
+    for (const TimeField& clock : {field, trigger, acquisition_time}) {
+        if (found.frame_ms == 0 && clock.is_clock) {
+            found.frame_ms = order.step_ms(clock.time);
+        }
+    }
+    for (const TimeField& clock : {field, trigger, acquisition_time}) {
+        if (found.frame_ms == 0 && found.times_ms.empty() && clock.is_clock) {
+            found.times_ms = order.times_ms(clock.time);
+        }
+    }
 }
 
 }  // namespace
@@ -188,11 +232,10 @@ TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
     if (std::ranges::all_of(places, [](const auto& place) { return place.size() == 1; })) {
         return found;
     }
-    found.is_even = whole.has_as_many_everywhere();
     found.left_out = keep_whole_volumes(whole);
     found.why_not = whole.why_not();
     if (!found.why_not.empty() || whole.places().front().size() < 2) {
-        found.left_out = 0;
+        found.left_out = {};
         return found;
     }
     for (const TimeField& field : fields_of(whole)) {
@@ -203,19 +246,10 @@ TimeOrder sort_by_time(const std::vector<DicomSlice>& slices, Places& places) {
         places = order.places();
         found.frames = static_cast<int>(places.front().size());
         found.told_by = field.name;
-        for (const TimeField& clock : {field, trigger, acquisition_time}) {
-            if (found.frame_ms == 0 && clock.is_clock) {
-                found.frame_ms = order.step_ms(clock.time);
-            }
-        }
-        if (found.frame_ms == 0 && field.is_clock) {
-            const std::vector<double> steps = order.steps_ms(field.time);
-            const auto [least, most] = std::ranges::minmax(steps);
-            found.uneven = fmt::format("{:g} to {:g} ms", least, most);
-        }
+        take_times(order, field, found);
         return found;
     }
-    found.left_out = 0;
+    found.left_out = {};
     found.why_not = "no element of time tells the slices of each place apart";
     return found;
 }
@@ -225,17 +259,20 @@ void report_times(const TimeOrder& times, int frame, std::vector<Finding>& findi
         return;
     }
     findings.push_back(
-        {FindingKind::note,
-         fmt::format("volume {} of {} of a time series: {} tells them apart{}", frame, times.frames,
-                     times.told_by,
-                     times.uneven.empty() ? "" : "; they are " + times.uneven + " apart")});
-    if (times.left_out > 0) {
+        {FindingKind::note, fmt::format("volume {} of {} of a time series: {} tells them apart",
+                                        frame, times.frames, times.told_by)});
+    const LeftOut& left_out = times.left_out;
+    const bool has_times = times.frame_ms > 0 || !times.times_ms.empty();
+    if (left_out.slices > 0) {
         findings.push_back(
-            {FindingKind::missing_slices,
-             fmt::format("{} left out, because their volumes lack slices at other "
-                         "places",
-                         times.left_out == 1 ? "1 slice is"
-                                             : fmt::format("{} slices are", times.left_out))});
+            {FindingKind::missing_volumes,
+             fmt::format("{} left out, because their volumes are not whole: {}{}",
+                         left_out.slices == 1 ? "1 slice is"
+                                              : fmt::format("{} slices are", left_out.slices),
+                         few_of(left_out.volumes),
+                         left_out.has_first && has_times
+                             ? "; times count from the first whole volume"
+                             : "")});
     }
 }
 

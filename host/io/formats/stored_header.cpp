@@ -104,7 +104,7 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
                                       data_file.filename().string(), available));
     }
     if (is_raw && available < needed + behind) {
-        header.findings.push_back(cut_series(header, data_file));
+        header.findings.push_back(cut_series(header, data_file, available - needed));
     }
     if (header.ends_file && is_raw && available > needed + behind) {
         // More bytes than stated often mean another type or size than stated.
@@ -132,10 +132,13 @@ std::uint64_t StoredHeader::bytes_behind() const {
     return (frames - frame) * needed_bytes(*this);
 }
 
-Finding cut_series(const StoredHeader& header, const fs::path& data_file) {
-    return {FindingKind::note,
-            fmt::format("{} ends before the last of its {} volumes: it may be cut off",
-                        data_file.filename().string(), header.frames)};
+Finding cut_series(const StoredHeader& header, const fs::path& data_file,
+                   std::uint64_t bytes_there) {
+    const std::uint64_t last = header.frame + bytes_there / needed_bytes(header);
+    return {FindingKind::missing_volumes,
+            fmt::format("{} ends after volume {} of {}: the file is cut off, and the later volumes "
+                        "cannot be shown. curve and cine need to={}",
+                        data_file.filename().string(), last, header.frames, last)};
 }
 
 void take_frames(const std::string& file, std::uint32_t frame, FourthAxis axis,

@@ -82,7 +82,9 @@ void take_frames(const std::string& file, std::uint32_t frame, FourthAxis axis,
                  StoredHeader& header);
 
 /// The file of a time series ends before its last volume does.
-Finding cut_series(const StoredHeader& header, const std::filesystem::path& data_file);
+/// bytes_there  Bytes of later volumes than that of the header.
+Finding cut_series(const StoredHeader& header, const std::filesystem::path& data_file,
+                   std::uint64_t bytes_there);
 
 /// Drops the fourth size if it is 1, for formats that always state it.
 void drop_single_frame(StoredHeader& header);

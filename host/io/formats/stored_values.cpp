@@ -139,8 +139,9 @@ void check_end(const std::string& file, const StoredHeader& header, const fs::pa
     if (behind > max_checked) {
         return;  // The checksum of so many other volumes takes too long.
     }
-    if (source.skip(behind) < behind && !source.is_damaged()) {
-        volume.findings.push_back(cut_series(header, data));
+    const std::uint64_t there = source.skip(behind);
+    if (there < behind && !source.is_damaged()) {
+        volume.findings.push_back(cut_series(header, data, there));
         return;
     }
     const bool goes_on = source.skip(1) == 1;
@@ -178,10 +179,13 @@ ImportError too_short(const std::string& file, const StoredHeader& header, const
                       std::uint64_t got, const std::string& damage) {
     const std::uint64_t needed =
         (header.at_end ? header.frames : 1) * needed_bytes(header) / header.data_files.size();
-    return ImportError(fmt::format("{}: {} of {} need {} bytes{}, {} has {}{}", file,
-                                   join_sizes(header.sizes), header.type, needed,
-                                   is_compressed(header.encoding) ? " when decompressed" : "",
-                                   data.filename().string(), got, damage));
+    const bool is_one_of_many = header.frames > 1 && !header.at_end;
+    return ImportError(fmt::format(
+        "{}: {}{} of {} need {} bytes{}, {} has {}{}{}", file,
+        is_one_of_many ? fmt::format("volume {} of {}: ", header.frame, header.frames) : "",
+        join_sizes(header.sizes), header.type, needed,
+        is_compressed(header.encoding) ? " when decompressed" : "", data.filename().string(), got,
+        is_one_of_many ? " of them" : "", damage));
 }
 
 std::uint64_t offset_after_lines(const std::string& file, const fs::path& path,

@@ -54,6 +54,7 @@ VolumeState volume_state(const Session& session) {
     state.frame = volume.frame;
     state.frames = volume.frames;
     state.frame_ms = volume.frame_ms;
+    state.time_ms = time_ms(volume, volume.frame).value_or(-1);
     state.size = numbers(glm::dvec3(volume.nx, volume.ny, volume.nz));
     state.spacing_mm = numbers(spacing_mm(volume));
     state.modality = volume.modality;

@@ -50,8 +50,8 @@ TEST_CASE("words and options are checked by the descriptor") {
     CHECK(error_of("haze a").empty());
     CHECK(error_of("haze a depth=4 steps=9 on=no").empty());
     CHECK(error_of("haze").starts_with("haze takes 1 to 2 words, but 0 are given; usage: haze"));
-    CHECK(error_of("haze a depth=5") == "depth: 5 is outside 0 .. 4");
-    CHECK(error_of("haze a steps=1.5") == "steps: '1.5' is not a whole number");
+    CHECK(error_of("haze a depth=5") == "haze: depth: 5 is outside 0 .. 4");
+    CHECK(error_of("haze a steps=1.5") == "haze: steps: '1.5' is not a whole number");
     CHECK(error_of("haze a on=yse") == "haze: on cannot be 'yse'; did you mean 'yes'?");
     CHECK(error_of("haze a dept=1") == "haze has no option 'dept'; did you mean 'depth'?");
     CHECK(error_of("haze a --depth 3").find("write depth=3, not --depth 3") != std::string::npos);

@@ -149,7 +149,7 @@ TEST_SUITE("host/io/dicom_series") {
         const Volume volume = table.assemble();
         CHECK(volume.nz == 2);
         CHECK(volume.maximum == 1);
-        CHECK(reports(volume, FindingKind::duplicate_slices, "each position is there 3 times"));
+        CHECK(reports(volume, FindingKind::duplicate_slices, "each position occurs 3 times"));
     }
 
     TEST_CASE("several series are listed, and one is chosen by number or UID") {

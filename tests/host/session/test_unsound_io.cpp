@@ -78,6 +78,7 @@ std::deque<bus::Payload> volumes_of(const std::vector<std::uint32_t>& frames) {
     std::deque<bus::Payload> messages;
     schema::VolumeHeaderT header = whole_header();
     header.frames = 3;
+    header.times_ms.resize(3);
     schema::SlicesT slices;
     slices.volume = header.volume;
     slices.slice_count = header.nz;
@@ -142,6 +143,7 @@ TEST_SUITE("host/session/unsound_io") {
         machine.answers = volumes_of({1});
         schema::VolumeHeaderT larger = whole_header();
         larger.frames = 3;
+        larger.times_ms.resize(3);
         larger.frame = 2;
         larger.nx *= 2;
         machine.answers.push_back(bus::pack(larger));

@@ -50,7 +50,7 @@ schema::VolumeHeaderT example_header() {
     header.suv_per_value = 0.25;
     header.frame = 2;
     header.frames = 5;
-    header.frame_ms = 30;
+    header.times_ms = {0, 30, 40, 90, 100};
     header.findings.push_back(std::make_unique<schema::FindingT>());
     header.findings[0]->kind = FindingKind::missing_slices;
     header.findings[0]->text = "one slice is missing";

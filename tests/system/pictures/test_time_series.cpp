@@ -92,9 +92,11 @@ TEST_CASE("a volume that is shown later is the volume that is loaded by its numb
     CHECK(ward.digest() == loaded_digest(30));
     ward.does("time at=361");
     CHECK(ward.session.volumes.volume().frame == 13);
+    ward.does("time at=870");
+    CHECK(ward.session.volumes.volume().frame == 30);
     CHECK_THROWS_WITH_AS(ward.does("time at=900"),
-                         "time: at=900 ms is beyond the last volume of phantom:heart, at 870 ms: "
-                         "give 0 to 870",
+                         "time: at=900 ms is beyond the last volume of phantom:heart: give 0 to "
+                         "870",
                          RequestError);
 }
 
@@ -104,13 +106,21 @@ TEST_CASE("texts and slices say which volume they are of") {
     const std::string info = ward.does("info").text;
     CHECK(info.find("\ntime series: 13/30, 360 ms; volumes are 30 ms apart\n") !=
           std::string::npos);
-    ward.does("slice z 30 heart.png");
+    const Reply slice = ward.does("slice z 30 heart.png");
+    CHECK(slice.text.starts_with("13/30, 360 ms: slice z 30 of 0..63: 128 x 128 voxels"));
+    CHECK(field<std::int64_t>(slice.fields, "frame") == 13);
+    CHECK(field<double>(slice.fields, "time_ms") == 360);
     REQUIRE(machine.exported.size() == 1);
     CHECK(machine.exported[0].description.starts_with("13/30, 360 ms: slice z 30"));
+    ward.does("time 1");
+    const Reply first = ward.does("slice z 30 heart.png");  // The blood has more voxels there.
+    for (const std::string name : {"window", "level"}) {
+        CHECK(field<double>(first.fields, name) == field<double>(slice.fields, name));
+    }
     ward.does("load phantom:sphere");
     CHECK(ward.does("info").text.find("time series") == std::string::npos);
     ward.does("slice z 30 sphere.png");
-    CHECK(machine.exported[1].description.starts_with("slice z 30"));
+    CHECK(machine.exported[2].description.starts_with("slice z 30"));
 }
 
 TEST_CASE("volumes that were shown are kept until another volume is loaded") {

@@ -20,6 +20,7 @@ export const LIMITS = Object.freeze({
   max_smooth_mm: 100,
   max_windows: 16,
   max_frames: 1000000,
+  max_error_mm: 1000,
   max_frame_ms: 1e+09,
   least_window: 1e-06,
   most_window: 1e+12,
@@ -58,7 +59,8 @@ export const LIMITS = Object.freeze({
 
 /** @typedef {'note' | 'conversion' | 'assumption' | 'reflection' | 'gantry_tilt' |
  *   'missing_slices' | 'uneven_slices' | 'duplicate_slices' |
- *   'mixed_orientations' | 'thickness_differs' | 'other_series' | 'processed'} FindingKind */
+ *   'mixed_orientations' | 'thickness_differs' | 'other_series' | 'processed'
+ *   | 'missing_volumes'} FindingKind */
 
 /** @typedef {'line' | 'area' | 'text'} MarkKind */
 
@@ -147,7 +149,8 @@ export function readAnswerHeader(view) {
  * @property {string} series_identity  the same for all volumes of a time series
  * @property {number} frame  number in its time series, from 1
  * @property {number} frames  volumes of the time series; 1 if there is no series
- * @property {number} frame_ms  time from one volume of the series to the next; 0 if not known
+ * @property {number} frame_ms  from one volume of the series to the next; 0 if unknown or uneven
+ * @property {number} time_ms  time of this volume after the first volume; -1 if not known
  * @property {[number, number, number]} size  voxels
  * @property {[number, number, number]} spacing_mm
  * @property {string} modality  CT, MR, US, ...; empty if the file does not state it

@@ -13,7 +13,7 @@ export function placeWarning(volume) {
  * "14/30, 390 ms: heart": place in the time series and name, as below the machine's pictures.
  * @param {import('../link/vocabulary.js').VolumeState} volume
  */
-export function volumeTitle({name, frame, frames, frame_ms}) {
-  const when = frame_ms > 0 ? `, ${short(frame_ms * (frame - 1), 6)} ms` : '';
+export function volumeTitle({name, frame, frames, time_ms}) {
+  const when = time_ms >= 0 ? `, ${short(time_ms, 6)} ms` : '';
   return frames === 1 ? name : `${frame}/${frames}${when}: ${name}`;
 }

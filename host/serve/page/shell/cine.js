@@ -100,7 +100,7 @@ class Cine {
       this.slider_.value = String(this.playing_ ? volume.frame : this.wanted_);
     }
     setText(this.number_, `${volume.frame} / ${volume.frames}`);
-    const when = volume.frame_ms > 0 ? `${grouped(volume.frame_ms * (volume.frame - 1))} ms` : '';
+    const when = frames > 1 && volume.time_ms >= 0 ? `${grouped(volume.time_ms)} ms` : '';
     update(this.slider_, {'aria-valuetext':
       `${volume.frame} of ${volume.frames}${when && `, at ${when}`}`});
     setText(this.when_, this.playing_ ? this.speedText_() : when);

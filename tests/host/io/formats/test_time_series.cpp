@@ -300,22 +300,29 @@ TEST_SUITE("host/io/time series") {
         const TemporaryFolder folder;
         const std::string whole = nifti();
         const std::string path = folder.write("v.nii", whole.substr(0, whole.size() - voxels));
-        const auto notes_cut = [](const Volume& volume, const std::string& name) {
-            return std::ranges::count(
-                volume.findings, name + " ends before the last of its 3 volumes: it may be cut off",
-                &Finding::text);
+        const auto has_end = [](const Volume& volume, const std::string& name, int last) {
+            const Finding wanted{
+                FindingKind::missing_volumes,
+                name + " ends after volume " + std::to_string(last) +
+                    " of 3: the file is cut off, and the later volumes cannot be shown. curve and "
+                    "cine need to=" +
+                    std::to_string(last)};
+            return std::ranges::count(volume.findings, wanted) == 1;
         };
         const Volume second = read_frame(path, 2);
         CHECK(holds(second, values_of(2)));
-        CHECK(notes_cut(second, "v.nii") == 1);
+        CHECK(has_end(second, "v.nii", 2));
+        CHECK(has_end(read_frame(path, 1), "v.nii", 2));
         CHECK(refusal(path, 3) == "volume 3 of 3 ends after 496 bytes, v.nii has 472");
         const std::string half = gzipped(folder, whole);
         const Volume first =
             read_frame(folder.write("h.nii.gz", half.substr(0, half.size() - 12)), 1);
         CHECK(holds(first, values_of(1)));
-        CHECK(notes_cut(first, "h.nii.gz") == 1);
-        CHECK(refusal(folder.file("h.nii.gz"), 3).find("when decompressed, h.nii.gz has") !=
-              std::string::npos);
+        CHECK(has_end(first, "h.nii.gz", 2));
+        const std::string third = refusal(folder.file("h.nii.gz"), 3);
+        CHECK(third.find("volume 3 of 3: 4x3x2 of int16 need 48 bytes when decompressed, h.nii.gz "
+                         "has ") != std::string::npos);
+        CHECK(third.find(" of them") != std::string::npos);
         std::string packed = gzipped(folder, whole);
         packed[packed.size() - 5] = static_cast<char>(packed[packed.size() - 5] + 1);
         CHECK(refusal(folder.write("v.nii.gz", packed), 1).find("are damaged: the checksum") !=
