@@ -101,7 +101,7 @@ test('a mesh is smoothed and decimated as the dialog says', async () => {
   const { bytes } = await saved(() => page.getByTestId('toast-info').last()
     .getByTestId('saved-certificate').click());
   const { keep, error_mm: error, smoothing, surfaces } = JSON.parse(bytes.toString());
-  assert.deepEqual([keep, error, smoothing], [1, 0.5, 10]);
+  assert.deepEqual([keep, error, smoothing], [0, 0.5, 10]);  // No share was asked for.
   assert.ok(surfaces.every(each => each.moved_mm <= 0.5 && each.smoothing.farthest_mm > 0));
   await page.getByTestId('toast-info').last().getByRole('button').click();
   await byId('save-menu').click();
