@@ -76,7 +76,7 @@ class Prompt(unittest.TestCase):
                 self.read_until(terminal, b"(Ctrl-C cancels)")
                 os.write(terminal, b"\x03")
                 self.read_until(terminal, b"canceled")
-            os.write(terminal, b"time\nsurfaces\nquit\n")
+            os.write(terminal, b"time\ncertificate\nquit\n")
         code, screen = self.at_a_terminal(interrupt)
         self.assertEqual(code, 0, screen)
         self.assertIn("volume 1 of 30", screen)

@@ -135,7 +135,7 @@ class Oblique(unittest.TestCase):
                 ("oblique 0 0 at=0,0,900", "oblique: the plane through (0.00, 0.00, 900.00) mm "
                  "does not meet the volume, whose middle is at (0.00, 0.00, 0.00) mm"),
                 ("oblique 0 0 at=0,0", "at: '0,0' is not three numbers, as 1,2,3"),
-                ("oblique steep 0", "TILT: 'steep' is not a number"),
+                ("oblique steep 0", "oblique: TILT: 'steep' is not a number"),
                 ("oblique 0 0 out.bmp", "oblique: 'out.bmp' must end in .png, ")):
             with self.subTest(line=line):
                 error = self.replies(line, code=COMMAND_ERROR)[-1]["error"]
