@@ -40,11 +40,12 @@ void check_alike(const Volume& next, int frame, const Volume& now) {
     }
     throw RequestError(
         ExitCode::bad_data,
-        fmt::format("{}: volume {} of {} has {} x {} x {} voxels, the shown volume {} of {} has "
-                    "{} x {} x {}, and both must also be at the same place. If the file has "
-                    "changed, load it again",
-                    now.source, next.frame, next.frames, next.nx, next.ny, next.nz, now.frame,
-                    now.frames, now.nx, now.ny, now.nz));
+        fmt::format(
+            "{}: volume {} of {} has {} x {} x {} voxels, the shown volume {} of {} has "
+            "{} x {} x {}, and both must also have the same place and times. If the file has "
+            "changed, load it again",
+            now.source, next.frame, next.frames, next.nx, next.ny, next.nz, now.frame, now.frames,
+            now.nx, now.ny, now.nz));
 }
 
 }  // namespace

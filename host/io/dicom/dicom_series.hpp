@@ -143,7 +143,7 @@ struct OrderedSlices {
     std::vector<double> times_ms;  ///< See Volume::times_ms.
 };
 
-/// Slices that are not shown because their volumes lack others.
+/// Slices of volumes with missing slices, which are not shown.
 struct LeftOut {
     std::size_t slices = 0;
     std::vector<std::string> volumes;  ///< "volume 3 of 20 (Trigger Time 66.7) has 7 of 8 slices".
