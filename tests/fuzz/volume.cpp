@@ -17,19 +17,13 @@ struct Form {
     bool is_packed = false;  ///< The file is compressed by gzip after the mutation.
 };
 constexpr std::array forms = {
-    Form{'n', "v.nii", nullptr},
-    Form{'z', "v.nii.gz", nullptr},
-    Form{'Z', "v.nii.gz", nullptr, true},
-    Form{'r', "v.nrrd", nullptr},
-    Form{'R', "v.nhdr", "v.raw"},
-    Form{'m', "v.mha", nullptr},
-    Form{'M', "v.mhd", "v.raw"},
-    Form{'a', "v.hdr", "v.img"},
-    Form{'g', "v.mgh", nullptr},
-    Form{'G', "v.mgz", nullptr, true},
-    Form{'v', "v.vtk", nullptr},
-    Form{'w', "v.raw", nullptr},
-    Form{'?', "v", nullptr},
+    Form{'n', "v.nii", nullptr},          Form{'z', "v.nii.gz", nullptr},
+    Form{'Z', "v.nii.gz", nullptr, true}, Form{'r', "v.nrrd", nullptr},
+    Form{'R', "v.nhdr", "v.raw"},         Form{'m', "v.mha", nullptr},
+    Form{'M', "v.mhd", "v.raw"},          Form{'a', "v.hdr", "v.img"},
+    Form{'g', "v.mgh", nullptr},          Form{'G', "v.mgz", nullptr, true},
+    Form{'v', "v.vtk", nullptr},          Form{'x', "v.vti", nullptr},
+    Form{'w', "v.raw", nullptr},          Form{'?', "v", nullptr},
 };
 constexpr std::size_t analyze_bytes = 348;  ///< Size of an Analyze header.
 constexpr char next_file = 0x1e;            ///< Precedes the values behind a text header.

@@ -8,6 +8,7 @@
 #include "host/io/mesh/mesh_export.hpp"
 #include "isa/assemble.hpp"
 #include "tests/host/io/dicom_files.hpp"
+#include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/isa/random_program.hpp"
@@ -145,6 +146,11 @@ void write_volumes(const Seeds& seeds) {
     text.replace(text.find("BINARY"), 6, "ASCII");
     text.resize(text.find("default\n") + 8);
     add("vtk-ascii", 'v', text + ascii);
+    add("vti-ascii", 'x', vti_file(grid(), {"ascii", ""}));
+    add("vti-inline", 'x', vti_file(grid(), {"binary", ""}));
+    add("vti-raw", 'x', vti_file(grid()));
+    add("vti-zlib", 'x', vti_file(grid(), {"appended", "raw", true}));
+    add("vti-base64", 'x', vti_file(grid(), {"appended", "base64", true}));
     add("raw", 'w', std::string("\6\5\4\3\0\0", 6) + values, states_spacing);
     add("by-content", '?', nrrd_file(grid()));
     seeds.write("volume", "nifti-processed",

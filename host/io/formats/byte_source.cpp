@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstring>
 #include <limits>
 #include <new>
 
@@ -30,6 +31,15 @@ int hex_digit(char c) {
     return c >= '0' && c <= '9'   ? c - '0'
            : c >= 'a' && c <= 'f' ? c - 'a' + 10
            : c >= 'A' && c <= 'F' ? c - 'A' + 10
+                                  : -1;
+}
+
+int base64_digit(char c) {
+    return c >= 'A' && c <= 'Z'   ? c - 'A'
+           : c >= 'a' && c <= 'z' ? c - 'a' + 26
+           : c >= '0' && c <= '9' ? c - '0' + 52
+           : c == '+'             ? 62
+           : c == '/'             ? 63
                                   : -1;
 }
 
@@ -100,16 +110,16 @@ std::size_t ByteSource::read_bzip2(std::span<std::byte> /*out*/) {
 #endif
 
 ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
-                       std::uint64_t offset_bytes)
+                       std::uint64_t offset_bytes, std::uint64_t most_bytes)
     : file_(path, std::ios::binary), encoding_(encoding), in_(chunk_bytes) {
     file_.seekg(0, std::ios::end);
     size_bytes_ = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
-    unread_bytes_ = size_bytes_ - std::min(size_bytes_, offset_bytes);
+    unread_bytes_ = std::min(size_bytes_ - std::min(size_bytes_, offset_bytes), most_bytes);
     file_.seekg(static_cast<std::streamoff>(offset_bytes));
     if (!file_) {
         throw ImportError(path.string() + ": cannot be opened");
     }
-    if (encoding == Encoding::gzip) {
+    if (is_gzip(encoding)) {
         inflater_ = std::make_unique<Inflater>();
     } else if (encoding == Encoding::bzip2) {
         bunzipper_ = std::make_unique<Bunzipper>();
@@ -118,13 +128,42 @@ ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
 
 ByteSource::~ByteSource() = default;
 
-/// The next chunk of the file into in_. Returns its size.
+/// The next chunk of the file into in_, decoded if it is base64. Returns its size: 0 at the end.
 std::size_t ByteSource::read_file() {
-    file_.read(in_.data(), static_cast<std::streamsize>(in_.size()));
-    in_at_ = 0;
-    in_end_ = static_cast<std::size_t>(file_.gcount());
-    unread_bytes_ -= std::min<std::uint64_t>(unread_bytes_, in_end_);
+    do {
+        const std::uint64_t wanted = std::min<std::uint64_t>(in_.size(), unread_bytes_);
+        file_.read(in_.data(), static_cast<std::streamsize>(wanted));
+        in_at_ = 0;
+        in_end_ = static_cast<std::size_t>(file_.gcount());
+        unread_bytes_ -= in_end_;
+        if (in_end_ == 0 || !is_base64(encoding_)) {
+            return in_end_;
+        }
+        decode_base64();
+    } while (in_end_ == 0 && !base64_ended_);
     return in_end_;
+}
+
+/// Puts the bytes of in_'s digits in place of them. White space may lie between; padding or another
+/// character is the end.
+void ByteSource::decode_base64() {
+    std::size_t to = 0;
+    for (std::size_t at = 0; at < in_end_ && !base64_ended_; ++at) {
+        const char c = in_[at];
+        const int digit = base64_digit(c);
+        if (digit < 0) {
+            base64_ended_ = std::isspace(static_cast<unsigned char>(c)) == 0;
+            continue;
+        }
+        bits_ = bits_ << 6U | static_cast<unsigned>(digit);
+        bit_count_ += 6;
+        if (bit_count_ >= 8) {
+            bit_count_ -= 8;
+            in_[to++] = static_cast<char>(bits_ >> static_cast<unsigned>(bit_count_) & 0xFFU);
+        }
+    }
+    in_end_ = to;
+    unread_bytes_ = base64_ended_ ? 0 : unread_bytes_;
 }
 
 std::size_t ByteSource::read(std::span<std::byte> out) {
@@ -135,10 +174,22 @@ std::size_t ByteSource::read(std::span<std::byte> out) {
     std::size_t got = 0;
     while (got < out.size() && !ended_) {
         const std::span<std::byte> rest = out.subspan(got);
-        got += encoding_ == Encoding::gzip    ? read_gzip(rest)
-               : encoding_ == Encoding::bzip2 ? read_bzip2(rest)
-                                              : read_hex(rest);
+        got += is_gzip(encoding_)              ? read_gzip(rest)
+               : encoding_ == Encoding::bzip2  ? read_bzip2(rest)
+               : encoding_ == Encoding::base64 ? read_buffered(rest)
+                                               : read_hex(rest);
     }
+    return got;
+}
+
+std::size_t ByteSource::read_buffered(std::span<std::byte> out) {
+    if (in_at_ == in_end_ && read_file() == 0) {
+        ended_ = true;
+        return 0;
+    }
+    const std::size_t got = std::min(out.size(), in_end_ - in_at_);
+    std::memcpy(out.data(), in_.data() + in_at_, got);
+    in_at_ += got;
     return got;
 }
 

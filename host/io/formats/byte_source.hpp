@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -11,18 +12,35 @@
 
 namespace pxpl5::host::io {
 
-/// How values lie in a file. `gzip` takes zlib streams too.
-enum class Encoding : std::uint8_t { raw, gzip, bzip2, ascii, hex };
+/// How values lie in a file. `gzip` takes zlib streams too; gzip_base64 is gzip within base64.
+enum class Encoding : std::uint8_t { raw, gzip, bzip2, ascii, hex, base64, gzip_base64 };
+
+constexpr bool is_gzip(Encoding encoding) {
+    return encoding == Encoding::gzip || encoding == Encoding::gzip_base64;
+}
 
 constexpr bool is_compressed(Encoding encoding) {
-    return encoding == Encoding::gzip || encoding == Encoding::bzip2;
+    return is_gzip(encoding) || encoding == Encoding::bzip2;
+}
+
+constexpr bool is_base64(Encoding encoding) {
+    return encoding == Encoding::base64 || encoding == Encoding::gzip_base64;
+}
+
+/// Characters of base64 for so many bytes, padding included.
+constexpr std::uint64_t base64_chars(std::uint64_t bytes) {
+    return (bytes + 2) / 3 * 4;
 }
 
 class ByteSource {
   public:
     /// Opens `path` at `offset_bytes`. `ascii` gives the file's own bytes.
-    /// Throws   ImportError if it cannot be opened.
-    ByteSource(const std::filesystem::path& path, Encoding encoding, std::uint64_t offset_bytes);
+    /// most_bytes   Of the file, which are read at most: what follows is not looked at. No limit
+    /// for
+    ///              raw bytes and text.
+    /// Throws       ImportError if it cannot be opened.
+    ByteSource(const std::filesystem::path& path, Encoding encoding, std::uint64_t offset_bytes,
+               std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());
     ~ByteSource();
     ByteSource(const ByteSource&) = delete;
     ByteSource& operator=(const ByteSource&) = delete;
@@ -37,7 +55,7 @@ class ByteSource {
     bool is_damaged() const { return damaged_; }
 
     /// Whether the file ended within a gzip stream, before its checksum.
-    bool is_cut() const { return ended_ && encoding_ == Encoding::gzip && !between_streams_; }
+    bool is_cut() const { return ended_ && is_gzip(encoding_) && !between_streams_; }
 
     /// The end of an error's text: "; its compressed data are broken at byte 812 of the file", or
     /// cut. Empty if the data are neither.
@@ -54,6 +72,8 @@ class ByteSource {
     std::size_t read_gzip(std::span<std::byte> out);
     std::size_t read_bzip2(std::span<std::byte> out);
     std::size_t read_hex(std::span<std::byte> out);
+    std::size_t read_buffered(std::span<std::byte> out);
+    void decode_base64();
 
     std::ifstream file_;
     Encoding encoding_;
@@ -65,6 +85,9 @@ class ByteSource {
     bool ended_ = false;                 ///< Nothing more comes.
     bool damaged_ = false;
     bool between_streams_ = false;  ///< The next bytes may be no stream.
+    unsigned bits_ = 0;             ///< Digits of base64 that are no byte yet.
+    int bit_count_ = 0;
+    bool base64_ended_ = false;
     std::unique_ptr<Inflater> inflater_;
     std::unique_ptr<Bunzipper> bunzipper_;
 };

@@ -20,6 +20,9 @@ StoredHeader read_stored_header(const std::filesystem::path& path, Format format
         case Format::vtk:
             refuse_frame(path.string(), request);
             return read_vtk_header(path);
+        case Format::vti:
+            refuse_frame(path.string(), request);
+            return read_vti_header(path, request.orientation);
         case Format::dicom:
         case Format::pictures:
             break;

@@ -40,12 +40,15 @@ Format format_by_content(const fs::path& path) {
     if (bytes.starts_with("# vtk DataFile")) {
         return Format::vtk;
     }
+    if (bytes.find("<VTKFile") != std::string_view::npos) {
+        return Format::vti;
+    }
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
     }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
-        ".nii .nii.gz .hdr .img .mgh .mgz .vtk .dcm .tif .png .jpg .bmp, or the folder of a "
+        ".nii .nii.gz .hdr .img .mgh .mgz .vtk .vti .dcm .tif .png .jpg .bmp, or the folder of a "
         "DICOM series or of pictures); of a file without a header, give raw=XxYxZ,TYPE and "
         "spacing=x,y,z",
         path.string()));
@@ -64,6 +67,26 @@ std::string nearest_file(const fs::path& path) {
     const std::string wished = path.filename().string();
     const std::string_view best = isa::nearest(wished, views);
     return best.empty() ? "" : fmt::format("; did you mean {}?", best);
+}
+
+/// The fewest bytes of a file that can hold `values` values of `needed` bytes.
+std::uint64_t least_bytes(Encoding encoding, std::uint64_t needed, std::uint64_t values) {
+    switch (encoding) {
+        case Encoding::raw:
+            return needed;
+        case Encoding::ascii:
+            return values * min_ascii_bytes - 1;
+        case Encoding::hex:
+            return 2 * needed;
+        case Encoding::base64:
+            return base64_chars(needed) - 2;  // Some leave out the padding.
+        case Encoding::gzip:
+        case Encoding::gzip_base64:
+            return needed / max_gzip_ratio;
+        case Encoding::bzip2:
+            return needed / max_bzip2_ratio;
+    }
+    return needed;
 }
 
 /// Values of one data file must fit in it.
@@ -86,11 +109,7 @@ void check_data_file(const fs::path& path, const fs::path& data_file, std::uint6
                                       before + (header.at_end ? all : needed),
                                       data_file.filename().string(), file_bytes));
     }
-    const std::uint64_t least = is_raw                               ? needed
-                                : header.encoding == Encoding::ascii ? values * min_ascii_bytes - 1
-                                : header.encoding == Encoding::hex   ? 2 * needed
-                                : header.encoding == Encoding::gzip  ? needed / max_gzip_ratio
-                                                                     : needed / max_bzip2_ratio;
+    const std::uint64_t least = least_bytes(header.encoding, needed, values);
     if (available < least && header.encoding == Encoding::ascii) {
         throw ImportError(
             fmt::format("{}: {} values of {} as text need {} bytes or more, {} has {}", file,
@@ -260,6 +279,9 @@ Format format_of(const fs::path& path) {
     }
     if (ends_with_any(name, {".vtk"})) {
         return Format::vtk;
+    }
+    if (ends_with_any(name, {".vti"})) {
+        return Format::vti;
     }
     if (is_picture(path)) {
         return Format::pictures;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <glm/mat4x4.hpp>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@
 
 namespace pxpl5::host::io {
 
-enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, vtk, dicom, pictures };
+enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, vtk, vti, dicom, pictures };
 
 /// The format of `path` by its suffix, or by its first bytes if the suffix says nothing. Of a
 /// folder: dicom, though it may hold pictures only.
@@ -43,9 +44,11 @@ struct StoredHeader {
     std::uint64_t offset_bytes = 0;  ///< In each file, before decompression.
     std::uint64_t line_skip = 0;     ///< Lines after that, before decompression.
     std::uint64_t byte_skip = 0;     ///< Bytes after that, decompressed.
-    bool at_end = false;             ///< The values are the last bytes; byte_skip means nothing.
-    bool ends_file = false;          ///< Nothing should follow the values.
-    bool fits_exactly = false;       ///< Nothing may follow the values.
+    /// Bytes of the file that the compressed values are, if the header states it.
+    std::uint64_t compressed_bytes = std::numeric_limits<std::uint64_t>::max();
+    bool at_end = false;        ///< The values are the last bytes; byte_skip means nothing.
+    bool ends_file = false;     ///< Nothing should follow the values.
+    bool fits_exactly = false;  ///< Nothing may follow the values.
     Scale scale;
     glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimeters. Axes without spacing have length 1.
     std::array<bool, 3> spacing_stated{true, true, true};
@@ -71,6 +74,8 @@ StoredHeader read_nifti_header(const std::filesystem::path& path, const AllowedF
                                std::uint32_t frame);
 StoredHeader read_mgh_header(const std::filesystem::path& path, std::uint32_t frame);
 StoredHeader read_vtk_header(const std::filesystem::path& path);
+/// orientation  What the user says of the axes: none if the file turns them.
+StoredHeader read_vti_header(const std::filesystem::path& path, const std::string& orientation);
 
 /// Whether a fourth axis can only be time.
 enum class FourthAxis : std::uint8_t { time, unknown };

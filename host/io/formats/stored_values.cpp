@@ -70,7 +70,7 @@ T parsed(const std::string& file, const StoredHeader& header, std::string_view w
     return static_cast<T>(wide);
 }
 
-/// Splits a stream of text into words.
+/// Splits a stream of text into words. XML's next tag is the end.
 class Words {
   public:
     explicit Words(ByteSource& source) : source_(source), chunk_(chunk_bytes) {}
@@ -78,7 +78,7 @@ class Words {
     /// Returns an empty word at the end.
     std::string_view next() {
         word_.clear();
-        while (true) {
+        while (!is_ended_) {
             if (at_ == end_) {
                 at_ = 0;
                 end_ = source_.read(std::as_writable_bytes(std::span(chunk_)));
@@ -87,9 +87,10 @@ class Words {
                 }
             }
             const char c = chunk_[at_++];
+            is_ended_ = c == '<';
             // Commas and braces separate in NRRD's text, blanks everywhere.
-            const bool separates =
-                c == ' ' || (c >= '\t' && c <= '\r') || c == ',' || c == '{' || c == '}';
+            const bool separates = c == ' ' || (c >= '\t' && c <= '\r') || c == ',' || c == '{' ||
+                                   c == '}' || is_ended_;
             if (!separates) {
                 word_.push_back(c);
             }
@@ -97,12 +98,14 @@ class Words {
                 return word_;
             }
         }
+        return word_;
     }
 
   private:
     ByteSource& source_;
     std::vector<char> chunk_;
     std::size_t at_ = 0, end_ = 0;
+    bool is_ended_ = false;
     std::string word_;
 };
 
@@ -226,7 +229,7 @@ struct StoredReader::Open {
           offset(header.line_skip == 0 ? header.offset_bytes
                                        : offset_after_lines(data.string(), file.path(),
                                                             header.offset_bytes, header.line_skip)),
-          source(file.path(), header.encoding, offset) {}
+          source(file.path(), header.encoding, offset, header.compressed_bytes) {}
 
     fs::path name;
     DataFile file;

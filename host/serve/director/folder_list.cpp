@@ -45,7 +45,7 @@ constexpr std::array kinds = {
     Kind{".tif", "TIFF"},       Kind{".tiff", "TIFF"},        Kind{".png", "PNG"},
     Kind{".jpg", "JPEG"},       Kind{".jpeg", "JPEG"},        Kind{".bmp", "BMP"},
     Kind{".mgh", "FreeSurfer"}, Kind{".mgz", "FreeSurfer"},   Kind{".mgh.gz", "FreeSurfer"},
-    Kind{".phigs", "archive"},
+    Kind{".vti", "VTK"},        Kind{".phigs", "archive"},
 };
 
 std::string in_small(std::string text) {

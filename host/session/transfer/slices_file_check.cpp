@@ -69,7 +69,7 @@ class RealFolders {
 bool names_data_file(const fs::path& source) {
     constexpr std::array<std::string_view, 3> nifti = {".nii", ".hdr", ".img"};
     constexpr std::array<std::string_view, 4> others = {".nrrd", ".nhdr", ".mha", ".mhd"};
-    constexpr std::array<std::string_view, 6> whole = {".vtk", ".tif", ".tiff",
+    constexpr std::array<std::string_view, 7> whole = {".vtk", ".vti", ".tif", ".tiff",
                                                        ".png", ".dcm", ".ima"};
     const std::string suffix = suffix_of(source);
     if (suffix == ".gz") {

@@ -21,6 +21,7 @@
 #include "host/io/import.hpp"
 #include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
+#include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/random_seed.hpp"
 
@@ -262,6 +263,13 @@ TEST_SUITE("host/io/mutations") {
             text += fmt::format("{}\n", value);
         }
         check_survives("a.vtk", text);
+    }
+
+    TEST_CASE("2000 mutations of VTK XML files, in each of four forms") {
+        check_survives("ascii.vti", vti_file(grid(), {"ascii", ""}));
+        check_survives("inline.vti", vti_file(grid(), {"binary", ""}));
+        check_survives("raw.vti", vti_file(grid()));
+        check_survives("base64.vti", vti_file(grid(), {"appended", "base64", true}));
     }
 
     TEST_CASE("2000 mutations of MGH files") {

@@ -9,6 +9,7 @@
 
 #include "host/io/import.hpp"
 #include "tests/gp_firmware/test_volume.hpp"
+#include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/volume_writers.hpp"
 
 using namespace pxpl5;
@@ -213,6 +214,12 @@ TEST_SUITE("host/io/orientations") {
     TEST_CASE("MGH: one surface from 48 orders and directions of axes") {
         check_all_turns([](const TemporaryFolder& folder, const Grid& grid) {
             return folder.write("v.mgh", mgh_file(grid));
+        });
+    }
+
+    TEST_CASE("VTK XML: one surface from 48 orders and directions of axes") {
+        check_all_turns([](const TemporaryFolder& folder, const Grid& grid) {
+            return folder.write("v.vti", vti_file(grid));
         });
     }
 

@@ -28,9 +28,10 @@ struct DataBench {
         folder = top / "scans";
         fs::create_directories(folder / "raw");
         fs::create_directories(top / "elsewhere");
-        for (const char* name : {"scans/scan.nhdr", "scans/image.mhd", "scans/scan.hdr",
-                                 "scans/scan.vtk", "scans/scan.bin", "scans/values.raw",
-                                 "scans/raw/values.raw", "elsewhere/values.raw"}) {
+        for (const char* name :
+             {"scans/scan.nhdr", "scans/image.mhd", "scans/scan.hdr", "scans/scan.vtk",
+              "scans/scan.vti", "scans/scan.bin", "scans/values.raw", "scans/raw/values.raw",
+              "elsewhere/values.raw"}) {
             std::ofstream(top / name) << "values";
         }
         std::ofstream(folder / "header") << "NRRD0005\n";
@@ -108,7 +109,7 @@ TEST_SUITE("host/session/slices_file_check") {
     TEST_CASE("formats that name no data file have no other file, whatever is allowed") {
         DataBench bench;
         const std::string refusal = "a file of this format has its values itself";
-        for (const char* name : {"scan.vtk", "scan.bin"}) {
+        for (const char* name : {"scan.vtk", "scan.vti", "scan.bin"}) {
             CAPTURE(name);
             bench.request.path = bench.folder / name;
             CHECK(has(bench.error_of(bench.folder / "values.raw", {bench.folder}), refusal));
