@@ -1,4 +1,4 @@
-// Gzip files for tests.
+// Gzip files and zlib streams for tests.
 #pragma once
 
 #include <zlib.h>
@@ -22,6 +22,16 @@ inline std::string gzipped_at(const std::string& path, const std::string& bytes,
     std::string packed{std::istreambuf_iterator<char>(stream), {}};
     std::filesystem::remove(path);
     return packed;
+}
+
+/// A zlib stream of these contents.
+inline std::string zipped(const std::string& bytes) {
+    uLongf size = compressBound(bytes.size());
+    std::string out(size, '\0');
+    compress(reinterpret_cast<Bytef*>(out.data()), &size,
+             reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
+    out.resize(size);
+    return out;
 }
 
 }  // namespace pxpl5::test

@@ -19,6 +19,7 @@
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/place.hpp"
 #include "host/io/values/processing.hpp"
+#include "host/io/zarr/zarr_image.hpp"
 #include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host::io {
@@ -216,6 +217,12 @@ Volume import_checked(const fs::path& path, Importer::Shared& shared) {
         return import_raw(path, shared);
     }
     const Format format = format_of(path);
+    if (fs::is_directory(path) && is_zarr(path)) {
+        if (request.read == ReadBy::gps) {
+            refuse_gps(path.string(), "its values lie in chunks");
+        }
+        return read_zarr(path, request);
+    }
     if (fs::is_directory(path)) {
         return import_folder(path, shared);
     }
@@ -241,6 +248,10 @@ Volume import_checked(const fs::path& path, Importer::Shared& shared) {
 std::string name_of(const fs::path& path) {
     const fs::path tidy = fs::absolute(path).lexically_normal();
     const fs::path last = tidy.has_filename() ? tidy.filename() : tidy.parent_path().filename();
+    if (fs::is_directory(path) && is_zarr(path)) {
+        const fs::path image = zarr_root(path).stem();  // "scan.ome.zarr" is "scan".
+        return image.extension() == ".ome" ? image.stem().string() : image.string();
+    }
     if (fs::is_directory(path)) {
         return last.string();
     }

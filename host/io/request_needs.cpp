@@ -6,6 +6,7 @@
 #include "host/base/part_file.hpp"
 #include "host/io/formats/stored_header.hpp"
 #include "host/io/picture/draw_marks.hpp"
+#include "host/io/zarr/zarr_image.hpp"
 #include "host/phantom/phantom.hpp"
 
 namespace pxpl5::host::io {
@@ -55,6 +56,9 @@ FileRules files_of_import(const schema::ImportVolume& request,
     const bool names_others = is_folder || (format && names_data_files(*format));
     if (names_others && !is_folder) {
         files.readable.push_back(folder_of(path));
+    }
+    if (is_folder && is_zarr(path)) {
+        files.readable.push_back(zarr_root(path));
     }
     if (names_others) {
         files.readable.insert(files.readable.end(), allowed.begin(), allowed.end());

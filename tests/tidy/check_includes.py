@@ -72,7 +72,8 @@ ROOMS = {
         "picture": set(),
         "mesh": set(),
         "sandbox": set(),
-        ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox"},
+        "zarr": {"values", "formats"},
+        ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox", "zarr"},
     },
     "host/inspect": {
         "record": set(),
@@ -121,7 +122,7 @@ PAGE = "host/serve/page"
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
 CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/"
-                    r"|seccomp)")
+                    r"|seccomp|expat|blosc)")
 MESSAGES = re.compile(
     r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process/process)\.hpp)$")
 

@@ -1,6 +1,5 @@
 // Mesh files, of the program and of others, as `certificate FILE` sees them.
 #include <doctest/doctest.h>
-#include <zlib.h>
 
 #include <array>
 #include <cmath>
@@ -10,6 +9,8 @@
 #include "host/io/mesh/mesh_read.hpp"
 #include "host/surface/certificate.hpp"
 #include "host/surface/patient_mesh.hpp"
+#include "tests/base64.hpp"
+#include "tests/gzip.hpp"
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_files.hpp"
 
@@ -27,35 +28,9 @@ Certificate certificate_of(const MeshFile& file) {
     return certify(weld(file.points, triangles).mesh, patient_grid());
 }
 
-std::string base64(std::string_view bytes) {
-    constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned bits = 0;
-        for (std::size_t b = 0; b < 3; ++b) {
-            bits =
-                bits << 8 | (i + b < bytes.size() ? static_cast<unsigned char>(bytes[i + b]) : 0);
-        }
-        for (std::size_t d = 0; d < 4; ++d) {
-            text += i + d > bytes.size() ? '=' : digits[bits >> (18 - 6 * d) & 63];
-        }
-    }
-    return text;
-}
-
 template <typename T>
 std::string raw(const std::vector<T>& values) {
     return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-std::string zipped(const std::string& bytes) {
-    uLongf size = compressBound(bytes.size());
-    std::string out(size, '\0');
-    compress(reinterpret_cast<Bytef*>(out.data()), &size,
-             reinterpret_cast<const Bytef*>(bytes.data()), bytes.size());
-    out.resize(size);
-    return out;
 }
 
 /// Inline arrays in the layout of VTK: the length and the values together, or lengths and blocks

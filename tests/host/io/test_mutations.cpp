@@ -173,6 +173,15 @@ std::string nrrd_of(const std::string& encoding, const std::string& data) {
            encoding + "\n\n" + data;
 }
 
+/// Checks that hold for mutations of any format.
+void check_outcome(const Outcome& outcome) {
+    CHECK(outcome.count.too_large == 0);
+    CHECK(outcome.count.unnamed == 0);
+    CHECK(outcome.count.unsent == 0);
+    CHECK(outcome.hung == 0);
+    CHECK(outcome.count.refused > mutations / 10);  // They do break something.
+}
+
 /// Mutates `bytes` under `name`, and says what became of it.
 Outcome mutate(const std::string& name, const std::string& bytes) {
     const TemporaryFolder folder;
@@ -191,11 +200,7 @@ Outcome mutate(const std::string& name, const std::string& bytes) {
         folder.write(name, mutated(bytes, seed(), index));
         return request;
     });
-    CHECK(outcome.count.too_large == 0);
-    CHECK(outcome.count.unnamed == 0);
-    CHECK(outcome.count.unsent == 0);
-    CHECK(outcome.hung == 0);
-    CHECK(outcome.count.refused > mutations / 10);  // They do break something.
+    check_outcome(outcome);
     return outcome;
 }
 
@@ -270,6 +275,27 @@ TEST_SUITE("host/io/mutations") {
         check_survives("inline.vti", vti_file(grid(), {"binary", ""}));
         check_survives("raw.vti", vti_file(grid()));
         check_survives("base64.vti", vti_file(grid(), {"appended", "base64", true}));
+    }
+
+    TEST_CASE("2000 mutations of each file of OME-Zarr images") {
+        for (const std::string name :
+             {"blosc.zarr/.zattrs", "blosc.zarr/0/.zarray", "blosc.zarr/0/0/0/0",
+              "zlib.zarr/0/0/0/0", "zstd.zarr/0/0.0.0", "series.zarr/0/.zarray"}) {
+            const TemporaryFolder folder;
+            std::filesystem::copy(PXPL5_ZARR_FOLDER, folder.file("images"),
+                                  std::filesystem::copy_options::recursive);
+            const std::string bytes = read_file(folder.file("images/" + name));
+            ImportRequest request;
+            request.path = folder.file("images/" + name.substr(0, name.find('/')));
+            const Outcome outcome = survive([&](int index) {
+                folder.write("images/" + name, mutated(bytes, seed(), index));
+                return request;
+            });
+            CAPTURE(name);
+            check_outcome(outcome);
+            CHECK(outcome.aborted == 0);
+            CHECK(outcome.crashed == 0);
+        }
     }
 
     TEST_CASE("2000 mutations of MGH files") {

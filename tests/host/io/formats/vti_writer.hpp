@@ -2,12 +2,13 @@
 #pragma once
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <array>
 #include <string>
 #include <string_view>
 
+#include "tests/base64.hpp"
+#include "tests/gzip.hpp"
 #include "tests/host/io/volume_writers.hpp"
 
 namespace pxpl5::test {
@@ -19,23 +20,6 @@ struct VtiForm {
     std::size_t block_bytes = 100;  ///< Size of a block before compression.
 };
 
-inline std::string to_base64(const std::string& bytes) {
-    constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string text;
-    for (std::size_t at = 0; at < bytes.size(); at += 3) {
-        unsigned bits = 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const char c = at + k < bytes.size() ? bytes[at + k] : '\0';
-            bits = bits << 8U | static_cast<unsigned char>(c);
-        }
-        for (unsigned k = 0; k < 4; ++k) {
-            text += at + k > bytes.size() ? '=' : digits[bits >> (18U - 6U * k) & 63U];
-        }
-    }
-    return text;
-}
-
 /// Values behind their lengths, or as text.
 inline std::string vti_values(const std::vector<std::int16_t>& values, const VtiForm& form) {
     if (form.format == "ascii") {
@@ -46,7 +30,7 @@ inline std::string vti_values(const std::vector<std::int16_t>& values, const Vti
                          : bytes_of(static_cast<std::uint32_t>(value), form.big_endian);
     };
     const bool is_text = form.format == "binary" || form.encoding == "base64";
-    const auto coded = [&](const std::string& bytes) { return is_text ? to_base64(bytes) : bytes; };
+    const auto coded = [&](const std::string& bytes) { return is_text ? base64(bytes) : bytes; };
     const std::string bytes = bytes_of(values, form.big_endian);
     if (!form.compressed) {
         return coded(number(bytes.size()) + bytes);
@@ -56,13 +40,9 @@ inline std::string vti_values(const std::vector<std::int16_t>& values, const Vti
         number(blocks) + number(form.block_bytes) + number(bytes.size() % form.block_bytes);
     std::string packed;
     for (std::size_t at = 0; at < bytes.size(); at += form.block_bytes) {
-        const std::string block = bytes.substr(at, form.block_bytes);
-        std::string zlib(compressBound(block.size()), '\0');
-        uLongf size = zlib.size();
-        compress(reinterpret_cast<Bytef*>(zlib.data()), &size,
-                 reinterpret_cast<const Bytef*>(block.data()), block.size());
-        lengths += number(size);
-        packed += zlib.substr(0, size);
+        const std::string block = zipped(bytes.substr(at, form.block_bytes));
+        lengths += number(block.size());
+        packed += block;
     }
     return coded(lengths) + coded(packed);
 }
