@@ -330,6 +330,9 @@ Volume import_volume(const std::string& path) {
 }
 
 std::vector<DicomSlice> find_slices(const std::string& source, const AllowedFolders& allowed) {
+    if (fs::is_directory(source) && is_zarr(source)) {
+        return {};  // Its many files are chunks.
+    }
     return fs::is_directory(source) ? look_through(source, allowed).slices
                                     : read_dicom_slices(source);
 }

@@ -65,6 +65,24 @@ TEST_SUITE("host/io/vti") {
         }
     }
 
+    TEST_CASE("GPs read appended raw bytes themselves, and nothing else") {
+        for (const auto& [name, form] : vti_forms()) {
+            CAPTURE(name);
+            const TemporaryFolder folder;
+            ImportRequest request;
+            request.path = folder.write("v.vti", vti_file(turned_grid(), form));
+            request.read = ReadBy::gps;
+            if (name.starts_with("raw-plain")) {
+                const Volume volume = import_volume(request);
+                check_is_grid(volume);
+                CHECK(volume.stored.has_value());
+            } else {
+                CHECK_THROWS_WITH_AS(import_volume(request),
+                                     doctest::Contains("GPs cannot read the values"), ImportError);
+            }
+        }
+    }
+
     TEST_CASE("blocks that divide the values, of one byte, and larger than all values") {
         for (const std::size_t block_bytes : {1, 60, 240, 1000}) {
             for (const char* encoding : {"raw", "base64"}) {

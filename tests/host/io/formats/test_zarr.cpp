@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "host/io/import.hpp"
+#include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/volume_files.hpp"
 
 using namespace pxpl5;
@@ -233,6 +234,13 @@ TEST_SUITE("host/io/zarr") {
         request.read = ReadBy::gps;
         CHECK_THROWS_WITH_AS(import_volume(request), doctest::Contains("its values lie in chunks"),
                              ImportError);
+    }
+
+    TEST_CASE("the chunks of an image are not searched for DICOM slices") {
+        const Copy copy("zstd.zarr");
+        copy.write("0/slice.dcm", dicom_image(2, 2, std::string(8, 'x')).file());
+        CHECK(find_slices((copy.root / "0/slice.dcm").string(), {}).size() == 1);
+        CHECK(find_slices(copy.root.string(), {}).empty());
     }
 
     TEST_CASE("without units, millimeters are assumed, and said") {
