@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "gp_firmware/surface/cell_row.hpp"
@@ -18,7 +19,13 @@ class RowMasks {
     RowMasks(const SliceStore& store, int slab, double isovalue);
 
     /// Classifies row y in both slices. Replaces row y - 2.
-    void classify(int y);
+    void classify(int y) {
+        const auto parity = static_cast<std::size_t>(y & 1);
+        for (const std::size_t s : {0U, 1U}) {
+            sides_[parity][s] = classify_row(shape_, *slices_[s], y, isovalue_,
+                                             std::span(masks_[parity][s]).first(word_count_));
+        }
+    }
 
     /// Returns a mask of word_count() + 1 words. The last word is 0, so that each word has a right
     /// neighbor.
@@ -30,7 +37,11 @@ class RowMasks {
 
     /// Returns false if the ranges of the four rows show that the surface crosses no cell between
     /// them.
-    bool may_cross() const;
+    bool may_cross() const {
+        const RowSide side = sides_[0][0];
+        return side == RowSide::mixed || sides_[0][1] != side || sides_[1][0] != side ||
+               sides_[1][1] != side;
+    }
 
     /// Returns the masks of the cells above the row of the given parity.
     CellMasks cells_above(std::size_t parity) const {
