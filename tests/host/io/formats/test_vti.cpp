@@ -94,7 +94,7 @@ TEST_SUITE("host/io/vti") {
         }
     }
 
-    TEST_CASE("a file without its suffix; orientation= needs axes that are not turned") {
+    TEST_CASE("a file without its suffix, and orientation= needs axes that are not turned") {
         const TemporaryFolder folder;
         ImportRequest request;
         request.path = folder.write("volume", vti_file(turned_grid()));

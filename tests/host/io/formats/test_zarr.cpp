@@ -100,7 +100,7 @@ TEST_SUITE("host/io/zarr") {
         }
     }
 
-    TEST_CASE("a level is read if it is the path; of the image, the finest level") {
+    TEST_CASE("a level is read if it is the path, else the finest level") {
         const Volume coarse = import_volume(shipped / "blosc.zarr/1");
         CHECK(coarse.name == "blosc");
         CHECK(std::array{coarse.nx, coarse.ny, coarse.nz} == std::array{3, 3, 4});
