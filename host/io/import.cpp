@@ -217,18 +217,19 @@ Volume import_checked(const fs::path& path, Importer::Shared& shared) {
         return import_raw(path, shared);
     }
     const Format format = format_of(path);
-    if (fs::is_directory(path) && is_zarr(path)) {
+    const bool has_chunks = fs::is_directory(path) && is_zarr(path);
+    if (fs::is_directory(path) && !has_chunks) {
+        return import_folder(path, shared);
+    }
+    if (!request.series.empty() && (format != Format::dicom || has_chunks)) {
+        throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
+                                      path.string(), request.series));
+    }
+    if (has_chunks) {
         if (request.read == ReadBy::gps) {
             refuse_gps(path.string(), "its values lie in chunks");
         }
         return read_zarr(path, request);
-    }
-    if (fs::is_directory(path)) {
-        return import_folder(path, shared);
-    }
-    if (!request.series.empty() && format != Format::dicom) {
-        throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
-                                      path.string(), request.series));
     }
     if (request.read == ReadBy::gps && format == Format::pictures) {
         refuse_gps(path.string(), "pictures are decoded by the io process");

@@ -116,6 +116,7 @@ ByteSource::ByteSource(const std::filesystem::path& path, Encoding encoding,
     size_bytes_ = static_cast<std::uint64_t>(std::max<std::streamoff>(file_.tellg(), 0));
     unread_bytes_ = std::min(size_bytes_ - std::min(size_bytes_, offset_bytes), most_bytes);
     file_.seekg(static_cast<std::streamoff>(offset_bytes));
+    position_ = offset_bytes;
     if (!file_) {
         throw ImportError(path.string() + ": cannot be opened");
     }
@@ -136,6 +137,7 @@ std::size_t ByteSource::read_file() {
         in_at_ = 0;
         in_end_ = static_cast<std::size_t>(file_.gcount());
         unread_bytes_ -= in_end_;
+        position_ += in_end_;
         if (in_end_ == 0 || !is_base64(encoding_)) {
             return in_end_;
         }
@@ -244,15 +246,19 @@ std::size_t ByteSource::read_hex(std::span<std::byte> out) {
 }
 
 std::string ByteSource::damage() const {
+    const std::uint64_t ahead = in_end_ - in_at_;
+    if (damaged_ && is_base64(encoding_)) {
+        return fmt::format("; its compressed data are broken near byte {} of the file",
+                           position_ - std::min(position_, base64_chars(ahead)));
+    }
     if (damaged_) {
         return fmt::format("; its compressed data are broken at byte {} of the file",
-                           size_bytes_ - unread_bytes_ - (in_end_ - in_at_));
+                           position_ - ahead);
     }
-    return is_cut() ? fmt::format(
-                          "; its compressed data are cut: the file ends at byte {}, before "
-                          "their end",
-                          size_bytes_)
-                    : "";
+    return is_cut()
+               ? fmt::format("; its compressed data are cut: {} at byte {}, before their end",
+                             position_ == size_bytes_ ? "the file ends" : "they stop", position_)
+               : "";
 }
 
 std::uint64_t ByteSource::bytes_after_end() const {

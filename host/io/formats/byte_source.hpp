@@ -81,6 +81,7 @@ class ByteSource {
     std::size_t in_at_ = 0, in_end_ = 0;
     std::uint64_t size_bytes_ = 0;       ///< Size of the file.
     std::uint64_t unread_bytes_ = 0;     ///< Bytes of the file.
+    std::uint64_t position_ = 0;         ///< The byte of the file behind in_.
     std::uint64_t bytes_after_end_ = 0;  ///< After the last stream that was whole.
     bool ended_ = false;                 ///< Nothing more comes.
     bool damaged_ = false;

@@ -78,7 +78,8 @@ void take_place(const std::string& file, const VtiMarkup& markup, glm::dvec3 fir
     const auto spacing = numbers_of(file, markup.image, "Spacing", "1 1 1", 3);
     const auto origin = numbers_of(file, markup.image, "Origin", "0 0 0", 3);
     const auto rows = numbers_of(file, markup.image, "Direction", "1 0 0 0 1 0 0 0 1", 9);
-    header.spacing_stated.fill(markup.image.contains("Spacing"));
+    // The origin is that of the index 0, so another spacing would move the first voxel.
+    header.spacing_stated.fill(markup.image.contains("Spacing") || first != glm::dvec3(0.0));
     glm::dvec3 place(origin[0], origin[1], origin[2]);
     for (int column = 0; column < 3; ++column) {
         const auto at = static_cast<std::size_t>(column);
@@ -180,22 +181,27 @@ void take_blocks(const std::string& file, const Lengths& lengths, std::uint64_t 
                  StoredHeader& header) {
     const std::vector<std::uint64_t> head = lengths.read(at, 3);
     const std::uint64_t blocks = head[0], block = head[1], last = head[2];
-    const std::uint64_t needed = needed_bytes(header);
     const std::uint64_t whole = blocks - (last == 0 ? 0 : 1);  // Blocks of the full size.
-    const bool is_possible =
-        blocks > 0 && blocks <= needed && last <= needed && (whole == 0 || block <= needed / whole);
-    check_bytes(file, header, is_possible ? whole * block + last : 0);
+    constexpr std::uint64_t most = std::uint64_t{1} << 31;     // Products do not overflow.
+    const bool is_possible = blocks > 0 && blocks <= most && block <= most && last <= most;
+    check_bytes(file, header, is_possible ? whole * block + last : blocks);
+    const std::uint64_t file_bytes = fs::file_size(header.data_files.front());
+    const std::vector<std::uint64_t> all = lengths.read(at, 3 + blocks);
     std::uint64_t compressed = 0;
-    for (const std::uint64_t size : lengths.read(at, 3 + blocks)) {
-        compressed += std::min(size, needed);
-    }
-    for (const std::uint64_t number : head) {
-        compressed -= std::min(number, needed);
+    for (std::size_t i = 3; i < all.size(); ++i) {
+        if (all[i] > file_bytes - std::min(file_bytes, compressed)) {
+            throw ImportError(
+                fmt::format("{}: its compressed block {} has {} bytes, the file has "
+                            "{}",
+                            file, i - 2, all[i], file_bytes));
+        }
+        compressed += all[i];
     }
     const bool is_text = is_base64(header.encoding);
     header.encoding = is_text ? Encoding::gzip_base64 : Encoding::gzip;
     header.offset_bytes = at + lengths.stored_bytes(3 + blocks);
     header.compressed_bytes = is_text ? base64_chars(compressed) : compressed;
+    header.fits_exactly = true;
 }
 
 /// Where the values are, and how.
@@ -208,6 +214,7 @@ void take_values(const fs::path& path, const VtiMarkup& markup, StoredHeader& he
     if (format == 0) {
         header.encoding = Encoding::ascii;
         header.offset_bytes = at;
+        header.ends_at_tag = true;
         return;
     }
     bool is_text = true;
@@ -219,7 +226,11 @@ void take_values(const fs::path& path, const VtiMarkup& markup, StoredHeader& he
         stream.seekg(static_cast<std::streamoff>(at)).get(mark);
         const std::string text = value_of(markup.array, "offset");
         const std::vector<std::uint64_t> offset = whole_numbers(file, "offset", text);
-        if (mark != '_' || offset.size() != 1 || offset[0] > fs::file_size(path)) {
+        if (offset.size() != 1) {
+            throw ImportError(fmt::format("{}: the offset of its array is '{}', must be a number",
+                                          file, shown(text)));
+        }
+        if (mark != '_' || offset[0] > fs::file_size(path)) {
             throw ImportError(fmt::format(
                 "{}: its values begin {} bytes behind the '_' of AppendedData, which {}", file,
                 shown(text), mark == '_' ? "is behind the end of the file" : "it lacks"));

@@ -49,6 +49,7 @@ struct StoredHeader {
     bool at_end = false;        ///< The values are the last bytes; byte_skip means nothing.
     bool ends_file = false;     ///< Nothing should follow the values.
     bool fits_exactly = false;  ///< Nothing may follow the values.
+    bool ends_at_tag = false;   ///< Values as text end where a tag of XML begins.
     Scale scale;
     glm::dmat4 voxel_to_patient{1.0};  ///< LPS millimeters. Axes without spacing have length 1.
     std::array<bool, 3> spacing_stated{true, true, true};

@@ -70,10 +70,12 @@ T parsed(const std::string& file, const StoredHeader& header, std::string_view w
     return static_cast<T>(wide);
 }
 
-/// Splits a stream of text into words. XML's next tag is the end.
+/// Splits a stream of text into words.
 class Words {
   public:
-    explicit Words(ByteSource& source) : source_(source), chunk_(chunk_bytes) {}
+    /// ends_at_tag  A '<' is the end.
+    Words(ByteSource& source, bool ends_at_tag)
+        : source_(source), ends_at_tag_(ends_at_tag), chunk_(chunk_bytes) {}
 
     /// Returns an empty word at the end.
     std::string_view next() {
@@ -87,7 +89,7 @@ class Words {
                 }
             }
             const char c = chunk_[at_++];
-            is_ended_ = c == '<';
+            is_ended_ = ends_at_tag_ && c == '<';
             // Commas and braces separate in NRRD's text, blanks everywhere.
             const bool separates = c == ' ' || (c >= '\t' && c <= '\r') || c == ',' || c == '{' ||
                                    c == '}' || is_ended_;
@@ -103,6 +105,7 @@ class Words {
 
   private:
     ByteSource& source_;
+    bool ends_at_tag_;
     std::vector<char> chunk_;
     std::size_t at_ = 0, end_ = 0;
     bool is_ended_ = false;
@@ -111,7 +114,7 @@ class Words {
 
 void read_ascii(const std::string& file, const StoredHeader& header, std::uint64_t count,
                 ByteSource& source, ValueSink& sink) {
-    Words words(source);
+    Words words(source, header.ends_at_tag);
     with_type(header.component, [&]<typename T>(T*) {
         std::vector<T> values;
         const std::uint64_t first = header.bytes_before() / sizeof(T), end = first + count;
@@ -129,6 +132,10 @@ void read_ascii(const std::string& file, const StoredHeader& header, std::uint64
                 sink.add(std::as_bytes(std::span<const T>(values)), header.component, header.scale);
                 values.clear();
             }
+        }
+        if (header.ends_at_tag && !words.next().empty()) {
+            throw ImportError(
+                fmt::format("{}: has more than the {} values that its header states", file, count));
         }
     });
 }

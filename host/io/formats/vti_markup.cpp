@@ -126,7 +126,8 @@ class VtiParser {
         }
         out_.has_array = true;
         out_.array = std::move(attributes);
-        if (out_.array["format"] != "appended") {
+        const auto format = out_.array.find("format");
+        if (format == out_.array.end() || format->second != "appended") {
             reach_values();
         }
     }

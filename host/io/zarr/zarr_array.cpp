@@ -25,6 +25,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 constexpr std::uint64_t max_json_bytes = std::uint64_t{4} << 20;
+constexpr int max_json_depth = 32;
 constexpr std::uint64_t max_chunk_bytes = std::uint64_t{1} << 30;
 constexpr std::uint64_t codec_extra_bytes = std::uint64_t{64} << 10;
 constexpr std::size_t max_axes = 5;  // Time, channel, z, y, x.
@@ -133,7 +134,8 @@ void take_fill(const Json& json, ZarrArray& array) {
     if (array.big_endian) {
         std::ranges::reverse(array.fill);
     }
-    array.fill_text = fmt::format("{}", value);
+    array.fill_text =
+        fill.is_null() ? "0, as its fill_value is null" : fmt::format("{}, the fill value", value);
 }
 
 std::vector<std::byte> bytes_of_file(const DataFile& file) {
@@ -158,7 +160,8 @@ std::uint64_t inflate_into(std::span<const std::byte> packed, std::span<std::byt
     const int result = inflate(&stream, Z_FINISH);
     const std::uint64_t got = out.size() - stream.avail_out;
     inflateEnd(&stream);
-    return result == Z_STREAM_END ? got : got < out.size() ? 0 : got + 1;
+    const bool has_more = result == Z_OK || result == Z_BUF_ERROR;
+    return result == Z_STREAM_END ? got : has_more && got == out.size() ? got + 1 : 0;
 }
 
 /// Returns how many bytes the chunk has, decompressed; 0 if it is damaged.
@@ -170,6 +173,11 @@ std::uint64_t decode(ZarrCodec codec, std::span<const std::byte> packed, std::sp
         case ZarrCodec::zlib:
             return inflate_into(packed, out);
         case ZarrCodec::zstd: {
+            const unsigned long long stated =
+                ZSTD_getFrameContentSize(packed.data(), packed.size());
+            if (stated < ZSTD_CONTENTSIZE_ERROR && stated != out.size()) {
+                return stated;
+            }
             const std::size_t got =
                 ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
             return ZSTD_isError(got) != 0 ? 0 : got;
@@ -200,25 +208,36 @@ std::uint64_t ZarrArray::chunk_bytes() const {
     return bytes;
 }
 
-Json read_json(const fs::path& path) {
-    const DataFile file(path, path, {});
+Json read_json(const fs::path& path, const fs::path& anchor, const AllowedFolders& allowed) {
+    const DataFile file(anchor, path, allowed);
     if (file.size_bytes() > max_json_bytes) {
         throw ImportError(fmt::format("{}: has {} bytes, must have at most {}", path.string(),
                                       file.size_bytes(), max_json_bytes));
     }
     const std::vector<std::byte> bytes = bytes_of_file(file);
     const auto* text = reinterpret_cast<const char*>(bytes.data());
-    Json json = Json::parse(text, text + bytes.size(), nullptr, false);
+    bool is_too_deep = false;  // Copies of JSON recurse.
+    const auto check = [&](int depth, Json::parse_event_t, Json&) {
+        is_too_deep = is_too_deep || depth > max_json_depth;
+        return !is_too_deep;
+    };
+    Json json = Json::parse(text, text + bytes.size(), check, false);
+    if (is_too_deep) {
+        throw ImportError(
+            fmt::format("{}: nests deeper than {} levels", path.string(), max_json_depth));
+    }
     if (!json.is_object()) {
         throw ImportError(path.string() + ": is no JSON object");
     }
     return json;
 }
 
-ZarrArray read_zarr_array(const fs::path& folder) {
-    const Json json = read_json(folder / ".zarray");
+ZarrArray read_zarr_array(const fs::path& folder, const fs::path& anchor,
+                          const AllowedFolders& allowed) {
+    const Json json = read_json(folder / ".zarray", anchor, allowed);
     ZarrArray array;
     array.folder = folder;
+    array.anchor = anchor;
     if (json.value("zarr_format", Json()) != 2) {
         refuse(folder, json, "zarr_format", "2");
     }
@@ -251,17 +270,26 @@ fs::path chunk_file(const ZarrArray& array, std::span<const std::uint64_t> index
     return array.folder / fmt::format("{}", fmt::join(index, array.separator));
 }
 
+bool has_chunk_file(const ZarrArray& array, std::span<const std::uint64_t> index) {
+    const fs::path path = chunk_file(array, index);
+    std::error_code failure;
+    const fs::file_type type = fs::symlink_status(path, failure).type();
+    if (type == fs::file_type::none) {  // It may be there.
+        throw ImportError(fmt::format("{}: {}", path.string(), failure.message()));
+    }
+    return type != fs::file_type::not_found;
+}
+
 void read_chunk(const ZarrArray& array, std::span<const std::uint64_t> index,
                 const AllowedFolders& allowed, std::span<std::byte> out) {
     const fs::path path = chunk_file(array, index);
-    std::error_code failure;
-    if (!fs::exists(fs::symlink_status(path, failure))) {
+    if (!has_chunk_file(array, index)) {
         for (std::size_t at = 0; at < out.size(); at += array.fill.size()) {
             std::ranges::copy(array.fill, out.begin() + static_cast<std::ptrdiff_t>(at));
         }
         return;
     }
-    const DataFile file(array.folder / ".zarray", path, allowed);
+    const DataFile file(array.anchor, path, allowed);
     const std::uint64_t most = out.size() + out.size() / 8 + codec_extra_bytes;
     if (file.size_bytes() > most) {
         throw ImportError(fmt::format("{}: has {} bytes, a chunk of {} bytes has at most {}",

@@ -53,10 +53,7 @@ std::uint64_t ZarrChunks::files() {
         for (std::uint64_t y = 0; y < size(1); y += chunk(1)) {
             for (std::uint64_t x = 0; x < size(0); x += chunk(0)) {
                 go_to({x, y, z});
-                std::error_code failure;
-                const auto file =
-                    std::filesystem::symlink_status(chunk_file(array_, index_), failure);
-                files += std::filesystem::exists(file) ? 1 : 0;
+                files += has_chunk_file(array_, index_) ? 1 : 0;
             }
         }
     }

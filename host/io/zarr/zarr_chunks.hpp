@@ -13,7 +13,7 @@ namespace pxpl5::host::io {
 class ZarrChunks {
   public:
     /// frame    Volume of a time series, from 0.
-    /// allowed  Folders to which links may lead, beside the array's own.
+    /// allowed  Folders to which links may lead, beside the image's own.
     ZarrChunks(const ZarrLevel& level, std::uint64_t frame, const AllowedFolders& allowed);
 
     /// Adds all values, x fastest. Keeps one layer of chunks in memory.

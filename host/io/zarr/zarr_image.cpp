@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t max_chunks = 1'000'000;
+constexpr std::uint64_t max_decoded_bytes = std::uint64_t{64} << 30;
 
 /// Time and place of the volume, from the axes.
 void take_axes(const ZarrImage& image, const ZarrLevel& level, const ImportRequest& request,
@@ -48,9 +49,9 @@ void take_axes(const ZarrImage& image, const ZarrLevel& level, const ImportReque
         if (at == std::string_view::npos) {
             continue;
         }
-        const double unit = axes[axis].unit == 0 ? 1 : axes[axis].unit;
+        const double unit = axes[axis].unit == 0 || !level.has_scale ? 1 : axes[axis].unit;
         const auto column = static_cast<int>(at);
-        without_unit += axes[axis].unit == 0 ? name : "";
+        without_unit += axes[axis].unit == 0 && level.has_scale ? name : "";
         volume.voxel_to_patient[column] *= level.scale[axis] * unit;
         volume.voxel_to_patient[3][column] = level.shift[axis] * unit;
     }
@@ -96,7 +97,7 @@ Volume read_zarr(const fs::path& path, const ImportRequest& request) {
                 ? source + ": is of Zarr 3 (zarr.json); OME-Zarr 0.1 to 0.4, of Zarr 2, is read"
                 : source + ": is no image of OME-Zarr: its .zattrs has no multiscales");
     }
-    const ZarrLevel level = zarr_level_for(*image, path);
+    const ZarrLevel level = zarr_level_for(*image, path, request.allowed);
     const auto sizes = level.sizes();
     const std::array<int, 3> dims = volume_dims(source, {sizes[0], sizes[1], sizes[2]});
     Volume volume;
@@ -115,9 +116,12 @@ Volume read_zarr(const fs::path& path, const ImportRequest& request) {
                          level.array.folder.lexically_relative(image->root).string())});
     }
     ZarrChunks chunks(level, static_cast<std::uint64_t>(volume.frame) - 1, request.allowed);
-    if (chunks.count() > max_chunks) {
-        throw ImportError(fmt::format("{}: has {} chunks, must have at most {}", source,
-                                      chunks.count(), max_chunks));
+    const std::uint64_t chunk_bytes = level.array.chunk_bytes();
+    if (chunks.count() > max_chunks || chunks.count() > max_decoded_bytes / chunk_bytes) {
+        throw ImportError(
+            fmt::format("{}: has {} chunks of {} bytes, must have at most {}, and {} "
+                        "bytes in all",
+                        source, chunks.count(), chunk_bytes, max_chunks, max_decoded_bytes));
     }
     // A description without values could ask for any memory.
     const std::uint64_t missing = chunks.count() - chunks.files();
@@ -127,8 +131,7 @@ Volume read_zarr(const fs::path& path, const ImportRequest& request) {
     }
     if (missing > 0) {
         volume.findings.push_back(
-            {FindingKind::note, fmt::format("{} of {} chunks have no file: their voxels are {}, "
-                                            "the fill value",
+            {FindingKind::note, fmt::format("{} of {} chunks have no file: their voxels are {}",
                                             missing, chunks.count(), level.array.fill_text)});
     }
     ValueSink sink(values);
@@ -138,7 +141,8 @@ Volume read_zarr(const fs::path& path, const ImportRequest& request) {
                     "OME-Zarr states no patient space: x, y, z are taken as left, posterior, "
                     "superior",
                     volume);
-    take_spacing(source, request, {true, true, true}, volume);
+    const bool stated = level.has_scale;  // From version 0.4 on.
+    take_spacing(source, request, {stated, stated, stated}, volume);
     return volume;
 }
 

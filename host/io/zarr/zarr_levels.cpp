@@ -16,6 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
+constexpr std::size_t max_levels = 64;
+
 /// The names of the axes if the image does not state them: of fewer axes the last ones.
 constexpr std::array<const char*, 5> usual_axes = {"t", "c", "z", "y", "x"};
 
@@ -63,6 +65,10 @@ double unit_of(const ZarrImage& image, const Json& axis, bool is_time) {
 std::vector<ZarrAxis> axes_of(const ZarrImage& image, std::size_t count) {
     std::vector<ZarrAxis> axes;
     const Json stated = image.scales.value("axes", Json());
+    if (!stated.is_null() && !stated.is_array()) {
+        throw ImportError(fmt::format("{}: axes is {}, must be a list", image.file(),
+                                      shown(stated.dump().substr(0, 100))));
+    }
     for (const Json& axis : stated.is_array() ? stated : Json::array()) {
         const Json name = axis.is_object() ? axis.value("name", Json()) : axis;
         axes.push_back({name.is_string() ? name.get<std::string>() : ""});
@@ -78,11 +84,11 @@ std::vector<ZarrAxis> axes_of(const ZarrImage& image, std::size_t count) {
     }
     std::string names;
     for (const ZarrAxis& axis : axes) {
-        names += axis.name;
+        names += axis.name.size() == 1 ? axis.name : "?";
     }
     constexpr std::array<std::string_view, 8> known = {"yx",   "zyx",  "cyx",  "tyx",
                                                        "czyx", "tzyx", "tcyx", "tczyx"};
-    if (axes.size() != count || names.size() != count || std::ranges::count(known, names) == 0) {
+    if (axes.size() != count || std::ranges::count(known, names) == 0) {
         throw ImportError(
             fmt::format("{}: its axes are {}, and its arrays have {}; the axes must be t, c, z, y, "
                         "x in this order, and t, c and z may be missing",
@@ -93,6 +99,10 @@ std::vector<ZarrAxis> axes_of(const ZarrImage& image, std::size_t count) {
 
 /// Applies the transformations of a list, each a scale or a translation of each axis.
 void apply(const ZarrImage& image, const Json& list, ZarrLevel& level) {
+    if (!list.is_null() && !list.is_array()) {
+        throw ImportError(fmt::format("{}: coordinateTransformations is {}, must be a list",
+                                      image.file(), shown(list.dump().substr(0, 100))));
+    }
     for (const Json& each : list.is_array() ? list : Json::array()) {
         const Json kind = each.is_object() ? each.value("type", Json()) : Json();
         if (kind == "identity") {
@@ -108,6 +118,7 @@ void apply(const ZarrImage& image, const Json& list, ZarrLevel& level) {
                 "{}: a transformation is {}, must be a scale or a translation of {} axes",
                 image.file(), shown(each.dump().substr(0, 100)), level.scale.size()));
         }
+        level.has_scale = level.has_scale || kind == "scale";
         for (std::size_t axis = 0; axis < values.size(); ++axis) {
             const double value = values[axis].get<double>();
             if (kind == "scale") {
@@ -120,7 +131,8 @@ void apply(const ZarrImage& image, const Json& list, ZarrLevel& level) {
     }
 }
 
-ZarrLevel read_level(const ZarrImage& image, const Json& data_set) {
+/// The folder of a level. Throws ImportError if the image names a place outside.
+fs::path folder_of_level(const ZarrImage& image, const Json& data_set) {
     const Json name = data_set.is_object() ? data_set.value("path", Json()) : Json();
     const fs::path below = name.is_string() ? fs::path(name.get<std::string>()) : fs::path();
     const bool is_inside =
@@ -129,7 +141,13 @@ ZarrLevel read_level(const ZarrImage& image, const Json& data_set) {
         throw ImportError(fmt::format("{}: the path of a level is {}, must be a folder inside",
                                       image.file(), shown(name.dump().substr(0, 100))));
     }
-    ZarrLevel level{read_zarr_array(image.root / below), {}, {}, {}};
+    return image.root / below;
+}
+
+ZarrLevel read_level(const ZarrImage& image, const Json& data_set, const AllowedFolders& allowed) {
+    ZarrLevel level;
+    level.array =
+        read_zarr_array(folder_of_level(image, data_set), image.root / ".zattrs", allowed);
     level.scale.assign(level.array.shape.size(), 1);
     level.shift.assign(level.array.shape.size(), 0);
     level.axes = axes_of(image, level.array.shape.size());
@@ -167,7 +185,7 @@ std::optional<ZarrImage> zarr_image_at(const fs::path& folder) {
     if (!fs::is_regular_file(folder / ".zattrs", failure)) {
         return std::nullopt;
     }
-    const Json attributes = read_json(folder / ".zattrs");
+    const Json attributes = read_json(folder / ".zattrs", folder / ".zgroup", {});
     const Json scales = attributes.value("multiscales", Json());
     if (!scales.is_array() || scales.empty() || !scales[0].is_object()) {
         return std::nullopt;
@@ -175,21 +193,24 @@ std::optional<ZarrImage> zarr_image_at(const fs::path& folder) {
     return ZarrImage{folder, scales[0]};
 }
 
-ZarrLevel zarr_level_for(const ZarrImage& image, const fs::path& path) {
+ZarrLevel zarr_level_for(const ZarrImage& image, const fs::path& path,
+                         const AllowedFolders& allowed) {
     const Json sets = image.scales.value("datasets", Json());
-    if (!sets.is_array() || sets.empty()) {
-        throw ImportError(image.file() + ": names no datasets");
+    if (!sets.is_array() || sets.empty() || sets.size() > max_levels) {
+        throw ImportError(fmt::format("{}: names {} datasets, must name 1 to {}", image.file(),
+                                      sets.is_array() ? sets.size() : 0, max_levels));
     }
     const fs::path wanted = fs::absolute(path).lexically_normal() / "";
     const bool is_root = wanted == image.root / "";
     std::string last;
     for (const Json& set : sets) {
-        ZarrLevel level = read_level(image, set);
-        level.number = static_cast<std::size_t>(&set - &sets[0]) + 1;
-        level.count = sets.size();
-        if (!is_root && wanted != (level.array.folder / "").lexically_normal()) {
+        const fs::path folder = (folder_of_level(image, set) / "").lexically_normal();
+        if (!is_root && wanted != folder) {
             continue;
         }
+        ZarrLevel level = read_level(image, set, allowed);
+        level.number = static_cast<std::size_t>(&set - &sets[0]) + 1;
+        level.count = sets.size();
         const auto sizes = level.sizes();
         if (!is_root || fits(sizes, level.array.component)) {
             return level;

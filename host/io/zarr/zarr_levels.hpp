@@ -33,6 +33,7 @@ struct ZarrLevel {
     ZarrArray array;
     std::vector<double> scale, shift;  ///< Along each axis, in its unit.
     std::vector<ZarrAxis> axes;
+    bool has_scale = false;             ///< The image states the distances of voxels.
     std::size_t number = 0, count = 0;  ///< Place among the image's levels, from 1, of so many.
 
     std::array<std::uint64_t, 3> sizes() const;  ///< Voxels along x, y, z.
@@ -42,7 +43,9 @@ struct ZarrLevel {
 std::optional<ZarrImage> zarr_image_at(const std::filesystem::path& folder);
 
 /// The level that `path` is, or, if this is the image, the finest level that fits the limits.
-/// Throws ImportError naming the field and its value, or the size of the coarsest level.
-ZarrLevel zarr_level_for(const ZarrImage& image, const std::filesystem::path& path);
+/// allowed  Folders to which links may lead, beside the image's own.
+/// Throws   ImportError naming the field and its value, or the size of the coarsest level.
+ZarrLevel zarr_level_for(const ZarrImage& image, const std::filesystem::path& path,
+                         const AllowedFolders& allowed);
 
 }  // namespace pxpl5::host::io

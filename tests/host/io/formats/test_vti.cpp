@@ -154,6 +154,34 @@ TEST_SUITE("host/io/vti") {
               "its array is 'appended', but it has no AppendedData");
     }
 
+    TEST_CASE("blocks that zlib makes larger than their values") {
+        const Grid small{{2, 2, 1}, glm::dmat4(1.0), ramp<std::int16_t>(4)};
+        for (const char* encoding : {"raw", "base64"}) {
+            const TemporaryFolder folder;
+            const VtiForm form{"appended", encoding, true, true, false, 8};
+            const Volume volume = import_volume(folder.write("v.vti", vti_file(small, form)));
+            REQUIRE(volume.values.size() == 8);
+            CHECK(std::memcmp(volume.values.data(), small.values.data(), 8) == 0);
+        }
+    }
+
+    TEST_CASE("only in XML, a '<' ends the values") {
+        const TemporaryFolder folder;
+        CHECK_THROWS_WITH_AS(
+            import_volume(folder.write("v.nrrd",
+                                       "NRRD0004\ntype: short\ndimension: 3\nsizes: 2 2 1\n"
+                                       "encoding: ascii\n\n1 2 3 12<5\n")),
+            doctest::Contains("value 3 is '12<5', must be a number"), ImportError);
+    }
+
+    TEST_CASE("spacing= is refused if the index does not begin at 0: the origin would move") {
+        const TemporaryFolder folder;
+        ImportRequest request;
+        request.path = folder.write("v.vti", changed(vti_file(turned_grid()), "Spacing", "Other"));
+        request.spacing_mm = glm::dvec3(1, 2, 3);
+        CHECK_THROWS_AS(import_volume(request), ImportError);
+    }
+
     TEST_CASE("values that are too few, too many or damaged are refused, with both numbers") {
         const std::string file = vti_file(turned_grid());
         const auto with = [&](const std::string& text, const std::string& from,
@@ -176,6 +204,19 @@ TEST_SUITE("host/io/vti") {
             "6x5x4 of Int16 need 240 bytes when decompressed, v.vti has "));
         CHECK(refusal(packed).find("; its compressed data are broken at byte ") !=
               std::string::npos);
+        const VtiForm blocks{"appended", "raw", true, true, false, 240};
+        std::string larger = vti_file(turned_grid(), blocks);
+        for (const char* extent : {" 2 7 ", " 2 7 "}) {
+            larger = changed(larger, extent, " 2 6 ");
+        }
+        CHECK(refusal(larger) == "5x5x4 of Int16 need 200 bytes, its array has 240");
+        std::string longer = vti_file(turned_grid(), {"ascii", ""});
+        for (const char* extent : {" 2 7 ", " 2 7 "}) {
+            longer = changed(longer, extent, " 2 6 ");
+        }
+        CHECK(refusal(longer) == "has more than the 100 values that its header states");
+        CHECK(with(file, " offset=\"248\"", "") ==
+              "the offset of its array is '', must be a number");
         const VtiForm text{"ascii", ""};
         CHECK(with(vti_file(turned_grid(), text), "Name=\"density\" format=\"ascii\">",
                    "Name=\"density\" format=\"ascii\">1 2</DataArray><DataArray>") ==

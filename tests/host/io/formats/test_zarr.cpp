@@ -236,6 +236,66 @@ TEST_SUITE("host/io/zarr") {
                              ImportError);
     }
 
+    TEST_CASE("images of versions before 0.4 state no distances") {
+        const Copy copy("blosc.zarr");
+        std::string text = copy.text(".zattrs");
+        for (std::size_t at; (at = text.find("coordinateTransformations")) != std::string::npos;) {
+            text.replace(at, 25, "none");
+        }
+        copy.write(".zattrs", text);
+        CHECK(has_finding(copy.read(), "spacing"));
+        ImportRequest request;
+        request.path = copy.root.string();
+        request.spacing_mm = glm::dvec3(0.5, 1.5, 2);
+        const Volume volume = import_volume(request);
+        CHECK(volume.voxel_to_patient[0] == glm::dvec4(0.5, 0, 0, 0));
+        CHECK(volume.voxel_to_patient[2] == glm::dvec4(0, 0, 2, 0));
+    }
+
+    TEST_CASE("the image's own transformations follow those of the level") {
+        const Copy copy("zstd.zarr");
+        copy.change(".zattrs", "\"datasets\"",
+                    "\"coordinateTransformations\": [{\"type\": \"scale\", \"scale\": [1, 1, 2]}, "
+                    "{\"type\": \"translation\", \"translation\": [0, 0, 1]}], \"datasets\"");
+        const Volume volume = copy.read();
+        CHECK(volume.voxel_to_patient[0].x == 1);
+        CHECK(volume.voxel_to_patient[3].x == 21);
+    }
+
+    TEST_CASE("a level needs no other level, and no level may be a link out of the image") {
+        const Copy copy("blosc.zarr");
+        fs::remove_all(copy.root / "0");
+        CHECK(import_volume(copy.root / "1").nx == 3);
+        fs::create_directory_symlink(shipped / "blosc.zarr/0", copy.root / "0");
+        CHECK(copy.refusal().find("lies outside of the header's folder") != std::string::npos);
+    }
+
+    TEST_CASE("a chunk that cannot be looked for is an error, not a missing chunk") {
+        const Copy copy("blosc.zarr");
+        fs::remove_all(copy.root / "0/0");
+        fs::create_symlink("0", copy.root / "0/0");  // A link to itself.
+        CHECK(copy.refusal().starts_with("/0/0/0/0: "));
+    }
+
+    TEST_CASE("deep JSON, many levels and much to decompress are refused") {
+        const std::string deep = std::string(200'000, '[') + std::string(200'000, ']');
+        CHECK(refusal_if("zstd.zarr", ".zattrs", "{", "{\"deep\": " + deep + ",") ==
+              "/.zattrs: nests deeper than 32 levels");
+        std::string sets = "\"datasets\": [";
+        for (int i = 0; i < 64; ++i) {
+            sets += "{\"path\": \"0\"},";
+        }
+        CHECK(refusal_if("zstd.zarr", ".zattrs", "\"datasets\": [", sets) ==
+              "/.zattrs: names 65 datasets, must name 1 to 64");
+        const Copy copy("plain.zarr");
+        copy.change("0/.zarray", "\"shape\": [\n        4,\n        5,\n        6",
+                    "\"shape\": [\n        4000,\n        5,\n        6");
+        copy.change("0/.zarray", "\"chunks\": [\n        4,\n        3,\n        6",
+                    "\"chunks\": [\n        1,\n        10000,\n        10000");
+        CHECK(
+            copy.refusal().starts_with(": has 4000 chunks of 200000000 bytes, must have at most"));
+    }
+
     TEST_CASE("the chunks of an image are not searched for DICOM slices") {
         const Copy copy("zstd.zarr");
         copy.write("0/slice.dcm", dicom_image(2, 2, std::string(8, 'x')).file());
