@@ -70,7 +70,7 @@ ROOMS = {
         "formats": {"values"},
         "dicom": {"values"},
         "picture": set(),
-        "mesh": set(),
+        "mesh": {"values"},
         "sandbox": set(),
         "zarr": {"values", "formats"},
         ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox", "zarr"},

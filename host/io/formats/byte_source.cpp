@@ -10,6 +10,7 @@
 #include <limits>
 #include <new>
 
+#include "host/io/values/base64.hpp"
 #include "host/io/values/import_request.hpp"
 
 #if PXPL5_BZIP2
@@ -31,15 +32,6 @@ int hex_digit(char c) {
     return c >= '0' && c <= '9'   ? c - '0'
            : c >= 'a' && c <= 'f' ? c - 'a' + 10
            : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                  : -1;
-}
-
-int base64_digit(char c) {
-    return c >= 'A' && c <= 'Z'   ? c - 'A'
-           : c >= 'a' && c <= 'z' ? c - 'a' + 26
-           : c >= '0' && c <= '9' ? c - '0' + 52
-           : c == '+'             ? 62
-           : c == '/'             ? 63
                                   : -1;
 }
 

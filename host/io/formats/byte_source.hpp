@@ -35,9 +35,7 @@ constexpr std::uint64_t base64_chars(std::uint64_t bytes) {
 class ByteSource {
   public:
     /// Opens `path` at `offset_bytes`. `ascii` gives the file's own bytes.
-    /// most_bytes   Of the file, which are read at most: what follows is not looked at. No limit
-    /// for
-    ///              raw bytes and text.
+    /// most_bytes   Bytes of the file that are read at most. No limit for raw bytes and text.
     /// Throws       ImportError if it cannot be opened.
     ByteSource(const std::filesystem::path& path, Encoding encoding, std::uint64_t offset_bytes,
                std::uint64_t most_bytes = std::numeric_limits<std::uint64_t>::max());

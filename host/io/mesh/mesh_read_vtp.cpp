@@ -7,6 +7,7 @@
 
 #include "host/io/mesh/mesh_export.hpp"
 #include "host/io/mesh/mesh_polygon.hpp"
+#include "host/io/values/base64.hpp"
 
 namespace pxpl5::host::io {
 
@@ -37,13 +38,11 @@ std::uint64_t whole(std::string_view text) {
 }
 
 std::string from_base64(std::string_view text) {
-    constexpr std::string_view digits =
-        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string bytes;
     unsigned bits = 0, count = 0;
     for (const char c : text) {
-        const std::size_t digit = digits.find(c);
-        if (digit == std::string_view::npos) continue;  // Padding.
+        const int digit = base64_digit(c);
+        if (digit < 0) continue;  // Padding.
         bits = bits << 6 | static_cast<unsigned>(digit);
         count += 6;
         if (count >= 8) {
