@@ -2,7 +2,6 @@
 
 #include <blosc.h>
 #include <fmt/format.h>
-#include <zlib.h>
 #include <zstd.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include <fstream>
 #include <limits>
 
+#include "host/io/formats/byte_source.hpp"
 #include "host/io/values/component.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
@@ -146,53 +146,52 @@ std::vector<std::byte> bytes_of_file(const DataFile& file) {
     return bytes;
 }
 
-/// zlib and gzip. Returns the bytes that come, at most one more than `out` has.
-std::uint64_t inflate_into(std::span<const std::byte> packed, std::span<std::byte> out) {
-    constexpr int any_header_bits = 15 + 32;
-    z_stream stream{};
-    if (inflateInit2(&stream, any_header_bits) != Z_OK) {
-        throw std::bad_alloc();
-    }
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(packed.data()));
-    stream.avail_in = static_cast<uInt>(packed.size());
-    stream.next_out = reinterpret_cast<Bytef*>(out.data());
-    stream.avail_out = static_cast<uInt>(out.size());
-    const int result = inflate(&stream, Z_FINISH);
-    const std::uint64_t got = out.size() - stream.avail_out;
-    inflateEnd(&stream);
-    const bool has_more = result == Z_OK || result == Z_BUF_ERROR;
-    return result == Z_STREAM_END ? got : has_more && got == out.size() ? got + 1 : 0;
+[[noreturn]] void refuse_chunk(const fs::path& path, const std::string& got, std::size_t wanted) {
+    throw ImportError(
+        fmt::format("{}: has {} bytes of values, a chunk has {}", path.string(), got, wanted));
 }
 
-/// Returns how many bytes the chunk has, decompressed; 0 if it is damaged.
-std::uint64_t decode(ZarrCodec codec, std::span<const std::byte> packed, std::span<std::byte> out) {
-    switch (codec) {
-        case ZarrCodec::none:
-            std::copy_n(packed.begin(), std::min(packed.size(), out.size()), out.begin());
-            return packed.size();
-        case ZarrCodec::zlib:
-            return inflate_into(packed, out);
-        case ZarrCodec::zstd: {
-            const unsigned long long stated =
-                ZSTD_getFrameContentSize(packed.data(), packed.size());
-            if (stated < ZSTD_CONTENTSIZE_ERROR && stated != out.size()) {
-                return stated;
-            }
-            const std::size_t got =
-                ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size());
-            return ZSTD_isError(got) != 0 ? 0 : got;
-        }
-        case ZarrCodec::blosc: {
-            std::size_t there = 0;
-            if (blosc_cbuffer_validate(packed.data(), packed.size(), &there) != 0 ||
-                there != out.size()) {
-                return there == out.size() ? 0 : there;
-            }
-            const int got = blosc_decompress_ctx(packed.data(), out.data(), out.size(), 1);
-            return got > 0 ? static_cast<std::uint64_t>(got) : 0;
-        }
+[[noreturn]] void refuse_damage(const fs::path& path) {
+    throw ImportError(path.string() + ": its compressed data are damaged");
+}
+
+/// Plain values, and those in zlib or gzip.
+void read_stream(const fs::path& path, const DataFile& file, Encoding encoding,
+                 std::span<std::byte> out) {
+    ByteSource source(file.path(), encoding, 0);
+    const std::size_t got = source.read(out);
+    const bool has_more = got == out.size() && source.skip(1) == 1;
+    if (source.is_damaged() || source.is_cut()) {
+        refuse_damage(path);
     }
-    return 0;
+    if (has_more || got < out.size()) {
+        refuse_chunk(path, has_more ? fmt::format("more than {}", got) : fmt::format("{}", got),
+                     out.size());
+    }
+}
+
+void read_zstd(const fs::path& path, std::span<const std::byte> packed, std::span<std::byte> out) {
+    const unsigned long long stated = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (stated < ZSTD_CONTENTSIZE_ERROR && stated != out.size()) {
+        refuse_chunk(path, fmt::format("{}", stated), out.size());
+    }
+    if (ZSTD_decompress(out.data(), out.size(), packed.data(), packed.size()) != out.size()) {
+        refuse_damage(path);
+    }
+}
+
+void read_blosc(const fs::path& path, std::span<const std::byte> packed, std::span<std::byte> out) {
+    std::size_t stated = 0;
+    if (blosc_cbuffer_validate(packed.data(), packed.size(), &stated) != 0) {
+        refuse_damage(path);
+    }
+    if (stated != out.size()) {
+        refuse_chunk(path, fmt::format("{}", stated), out.size());
+    }
+    const int got = blosc_decompress_ctx(packed.data(), out.data(), out.size(), 1);
+    if (got < 0 || static_cast<std::size_t>(got) != out.size()) {
+        refuse_damage(path);
+    }
 }
 
 }  // namespace
@@ -295,16 +294,15 @@ void read_chunk(const ZarrArray& array, std::span<const std::uint64_t> index,
         throw ImportError(fmt::format("{}: has {} bytes, a chunk of {} bytes has at most {}",
                                       path.string(), file.size_bytes(), out.size(), most));
     }
-    const std::vector<std::byte> packed = bytes_of_file(file);
-    const std::uint64_t got = decode(array.codec, packed, out);
-    if (got != out.size()) {
-        throw ImportError(got == 0 ? path.string() + ": its compressed data are damaged"
-                                   : fmt::format("{}: has {} bytes of values, a chunk has {}",
-                                                 path.string(),
-                                                 got > out.size() && array.codec == ZarrCodec::zlib
-                                                     ? fmt::format("more than {}", out.size())
-                                                     : fmt::format("{}", got),
-                                                 out.size()));
+    switch (array.codec) {
+        case ZarrCodec::none:
+            return read_stream(path, file, Encoding::raw, out);
+        case ZarrCodec::zlib:
+            return read_stream(path, file, Encoding::gzip, out);
+        case ZarrCodec::zstd:
+            return read_zstd(path, bytes_of_file(file), out);
+        case ZarrCodec::blosc:
+            return read_blosc(path, bytes_of_file(file), out);
     }
 }
 
