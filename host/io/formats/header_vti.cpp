@@ -183,8 +183,13 @@ void take_blocks(const std::string& file, const Lengths& lengths, std::uint64_t 
     const std::uint64_t blocks = head[0], block = head[1], last = head[2];
     const std::uint64_t whole = blocks - (last == 0 ? 0 : 1);  // Blocks of the full size.
     constexpr std::uint64_t most = std::uint64_t{1} << 31;     // Products do not overflow.
-    const bool is_possible = blocks > 0 && blocks <= most && block <= most && last <= most;
-    check_bytes(file, header, is_possible ? whole * block + last : blocks);
+    if (blocks == 0 || blocks > most || block > most || last > most) {
+        throw ImportError(
+            fmt::format("{}: its array states {} compressed blocks of {} bytes, the last of {}; "
+                        "must be 1 or more, each number at most {}",
+                        file, blocks, block, last, most));
+    }
+    check_bytes(file, header, whole * block + last);
     const std::uint64_t file_bytes = fs::file_size(header.data_files.front());
     const std::vector<std::uint64_t> all = lengths.read(at, 3 + blocks);
     std::uint64_t compressed = 0;
