@@ -4,9 +4,9 @@
 #include <zlib.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <string>
+
+#include "tests/file_bytes.hpp"
 
 namespace pxpl5::test {
 
@@ -18,8 +18,7 @@ inline std::string gzipped_at(const std::string& path, const std::string& bytes,
     gzFile file = gzopen(path.c_str(), mode);
     gzwrite(file, bytes.data(), static_cast<unsigned>(bytes.size()));
     gzclose(file);
-    std::ifstream stream(path, std::ios::binary);
-    std::string packed{std::istreambuf_iterator<char>(stream), {}};
+    std::string packed = file_bytes(path);
     std::filesystem::remove(path);
     return packed;
 }

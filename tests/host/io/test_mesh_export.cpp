@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 
+#include "tests/file_bytes.hpp"
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_files.hpp"
 
@@ -37,11 +38,6 @@ struct TwoSolids {
     }
     std::size_t triangles() const { return (bone.indices.size() + skin.indices.size()) / 3; }
 };
-
-std::string bytes_in(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 std::size_t files_in(const std::string& folder) {
     const std::filesystem::directory_iterator files(folder);
@@ -184,7 +180,7 @@ TEST_SUITE("host/io/mesh_export") {
             const std::string name = axes == PatientAxes::LPS ? "LPS" : "RAS";
             const auto text = [&](const std::string& suffix) {
                 write_mesh(folder.file("m" + suffix), solids.mesh(axes));
-                return bytes_in(folder.file("m" + suffix));
+                return file_bytes(folder.file("m" + suffix));
             };
             const std::string stl = text(".stl");
             CHECK(!stl.starts_with("solid"));
@@ -214,7 +210,7 @@ TEST_SUITE("host/io/mesh_export") {
         const TemporaryFolder folder;
         const TwoSolids solids;
         write_mesh(folder.file("m.glb"), solids.mesh(PatientAxes::RAS));
-        const nlohmann::json root = json_of(bytes_in(folder.file("m.glb")));
+        const nlohmann::json root = json_of(file_bytes(folder.file("m.glb")));
         CHECK(root["accessors"][0]["min"] == nlohmann::json({-12, -23, -30}));
         CHECK(root["accessors"][0]["max"] == nlohmann::json({-10, -20, -26}));
         std::uint64_t end = 0;
@@ -233,10 +229,10 @@ TEST_SUITE("host/io/mesh_export") {
             CAPTURE(suffix);
             MeshExport mesh = solids.mesh(PatientAxes::LPS);
             write_mesh(folder.file("a" + suffix), mesh);
-            const std::string once = bytes_in(folder.file("a" + suffix));
+            const std::string once = file_bytes(folder.file("a" + suffix));
             mesh.surfaces.insert(mesh.surfaces.begin() + 1, empty.view());
             write_mesh(folder.file("a" + suffix), mesh);
-            CHECK(bytes_in(folder.file("a" + suffix)) == once);
+            CHECK(file_bytes(folder.file("a" + suffix)) == once);
         }
     }
 
@@ -248,8 +244,8 @@ TEST_SUITE("host/io/mesh_export") {
         mesh.surfaces.push_back(solids.bone.view());
         mesh.surfaces[3].name = "";
         write_mesh(folder.file("m.obj"), mesh);
-        const std::string obj = bytes_in(folder.file("m.obj"));
-        const std::string mtl = bytes_in(folder.file("m.mtl"));
+        const std::string obj = file_bytes(folder.file("m.obj"));
+        const std::string mtl = file_bytes(folder.file("m.mtl"));
         for (const std::string name : {"bone_0", "skin_of_a_ball_1", "bone_2", "_3"}) {
             CHECK(obj.find("g " + name + "\nusemtl " + name + "\n") != std::string::npos);
             CHECK(mtl.find("newmtl " + name + "\n") != std::string::npos);

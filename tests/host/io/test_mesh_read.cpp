@@ -10,6 +10,7 @@
 #include "host/surface/certificate.hpp"
 #include "host/surface/patient_mesh.hpp"
 #include "tests/base64.hpp"
+#include "tests/file_bytes.hpp"
 #include "tests/gzip.hpp"
 #include "tests/host/io/mesh_solids.hpp"
 #include "tests/host/io/volume_files.hpp"
@@ -63,11 +64,6 @@ std::string vtp(const std::string& heading, const std::string& format, const std
            array("Float32", "Points", points) + "</Points>\n<Polys>\n" +
            array("Int64", "connectivity", connectivity) + array("Int64", "offsets", offsets) +
            "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n";
-}
-
-std::string bytes_of(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
 }
 
 std::string complaint_about(const std::string& path) {
@@ -180,13 +176,13 @@ TEST_SUITE("host/io/mesh_read") {
         mesh.surfaces = {bone.view()};
         write_mesh(folder.file("m.stl"), mesh);
         write_mesh(folder.file("m.ply"), mesh);
-        std::string like_text = bytes_of(folder.file("m.stl"));
+        std::string like_text = file_bytes(folder.file("m.stl"));
         like_text.replace(0, 6, "solid ");
         const std::array<std::pair<const char*, std::string>, 5> files = {
-            {{"stl", bytes_of(folder.file("m.stl"))},
+            {{"stl", file_bytes(folder.file("m.stl"))},
              {"stl", like_text},
              {"stl", text_stl()},
-             {"ply", bytes_of(folder.file("m.ply"))},
+             {"ply", file_bytes(folder.file("m.ply"))},
              {"ply", text_ply}}};
         for (const auto& [suffix, bytes] : files) {
             CAPTURE(bytes.substr(0, 40));
@@ -230,7 +226,7 @@ TEST_SUITE("host/io/mesh_read") {
         MeshExport mesh;
         mesh.surfaces = {bone.view()};
         write_mesh(folder.file("m.glb"), mesh);
-        std::string bytes = bytes_of(folder.file("m.glb"));
+        std::string bytes = file_bytes(folder.file("m.glb"));
         const std::string node = "\"mesh\":0", scaled = node + ",\"scale\":[-1,1,1]   ";
         const std::size_t at = bytes.find(node);
         REQUIRE(at != std::string::npos);
@@ -286,7 +282,7 @@ TEST_SUITE("host/io/mesh_read") {
         for (const std::string suffix : {".obj", ".vtp"}) {
             CAPTURE(suffix);
             write_mesh(folder.file("m" + suffix), mesh);
-            const std::string bytes = bytes_of(folder.file("m" + suffix));
+            const std::string bytes = file_bytes(folder.file("m" + suffix));
             for (std::size_t size = 1; size < bytes.size(); size += 1 + bytes.size() / 40) {
                 complaint_about(folder.write("cut" + suffix, bytes.substr(0, size)));
             }

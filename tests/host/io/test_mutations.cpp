@@ -21,6 +21,7 @@
 #include "host/io/import.hpp"
 #include "host/session/transfer/volume_transfer.hpp"
 #include "ringbus/ranges.hpp"
+#include "tests/file_bytes.hpp"
 #include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/random_seed.hpp"
@@ -154,11 +155,6 @@ Grid grid() {
     return small;
 }
 
-std::string read_file(const std::string& path) {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 std::string bzipped(std::string bytes) {
     std::string out(bytes.size() + 1000, '\0');
     auto size = static_cast<unsigned>(out.size());
@@ -284,7 +280,7 @@ TEST_SUITE("host/io/mutations") {
             const TemporaryFolder folder;
             std::filesystem::copy(PXPL5_ZARR_FOLDER, folder.file("images"),
                                   std::filesystem::copy_options::recursive);
-            const std::string bytes = read_file(folder.file("images/" + name));
+            const std::string bytes = file_bytes(folder.file("images/" + name));
             ImportRequest request;
             request.path = folder.file("images/" + name.substr(0, name.find('/')));
             const Outcome outcome = survive([&](int index) {
@@ -332,7 +328,7 @@ TEST_SUITE("host/io/mutations") {
             REQUIRE(output->open(folder.file(name), spec));
             REQUIRE(output->write_image(OIIO::TypeDesc::INT16, grid().values.data()));
             output->close();
-            check_mostly_survives(name, read_file(folder.file(name)));
+            check_mostly_survives(name, file_bytes(folder.file(name)));
         }
     }
 }

@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "host/io/import.hpp"
+#include "tests/file_bytes.hpp"
 #include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/volume_files.hpp"
 
@@ -25,10 +26,7 @@ struct Copy {
     explicit Copy(const std::string& name) : root(folder.file("v.ome.zarr")) {
         fs::copy(shipped / name, root, fs::copy_options::recursive);
     }
-    std::string text(const std::string& name) const {
-        std::ifstream stream(root / name, std::ios::binary);
-        return {std::istreambuf_iterator<char>(stream), {}};
-    }
+    std::string text(const std::string& name) const { return file_bytes(root / name); }
     void write(const std::string& name, const std::string& bytes) const {
         std::ofstream(root / name, std::ios::binary) << bytes;
     }
