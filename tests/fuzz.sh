@@ -48,10 +48,13 @@ run_target() {
     local dictionary=$top/tests/fuzz/$target.dict
     mkdir -p "$found" "$regressions"
     [ ! -f "$dictionary" ] || options+=("-dict=$dictionary")
-    "$folder/fuzz_$target" "$found" "$top/tests/fuzz/corpus/$target" "$regressions" \
-        "-max_total_time=$seconds" "-seed=$seed" \
-        -print_final_stats=1 -close_fd_mask=1 "-artifact_prefix=$regressions/" "${options[@]}" \
-        >"$folder/$target.log" 2>&1 || touch "$folder/$target.failed"
+    local TIMEFORMAT='%U %S'
+    {
+        time "$folder/fuzz_$target" "$found" "$top/tests/fuzz/corpus/$target" "$regressions" \
+            "-max_total_time=$seconds" "-seed=$seed" -print_final_stats=1 -close_fd_mask=1 \
+            "-artifact_prefix=$regressions/" "${options[@]}" >"$folder/$target.log" 2>&1 ||
+            touch "$folder/$target.failed"
+    } 2>"$folder/$target.seconds"
     rmdir --ignore-fail-on-non-empty "$regressions"
 }
 # The corpus and all inputs that failed once must pass, also with --report.
@@ -78,7 +81,7 @@ printf '%s\n' "${targets[@]}" | xargs -P "$(nproc)" -I{} \
 
 # The table.
 failed=0
-printf '%-16s %12s %9s %8s  %s\n' target executions "per s" edges result
+printf '%-16s %12s %9s %8s %8s  %s\n' target executions "per s" "CPU min" edges result
 for target in "${targets[@]}"; do
     log=$folder/$target.log
     result=ok
@@ -90,9 +93,13 @@ for target in "${targets[@]}"; do
     executions=$(sed -n 's/^stat::number_of_executed_units: *//p' "$log")
     rate=$(sed -n 's/^stat::average_exec_per_sec: *//p' "$log")
     edges=$(grep -ao 'cov: [0-9]*' "$log" | tail -n 1 | cut -d' ' -f2 || true)
-    printf '%-16s %12s %9s %8s  %s\n' "$target" "${executions:--}" "${rate:--}" "${edges:--}" \
-        "$result"
+    minutes=$(awk '{ printf "%.1f", ($1 + $2) / 60 }' "$folder/$target.seconds")
+    printf '%-16s %12s %9s %8s %8s  %s\n' "$target" "${executions:--}" "${rate:--}" "$minutes" \
+        "${edges:--}" "$result"
 done
+cd "$folder"
+awk '{ sum += $1 + $2 } END { printf "processor time in all: %.1f min\n", sum / 60 }' \
+    "${targets[@]/%/.seconds}"
 for target in "${targets[@]}"; do
     [ -e "$folder/$target.failed" ] || continue
     log=$folder/$target.log

@@ -4,9 +4,11 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "host/io/mesh/mesh_export.hpp"
 #include "isa/assemble.hpp"
+#include "tests/file_bytes.hpp"
 #include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/mesh_solids.hpp"
@@ -157,6 +159,26 @@ void write_volumes(const Seeds& seeds) {
                 std::string("n\17\0\0\0\4\3\3\2\2\2\100", 12) + nifti1_file(grid()));
 }
 
+/// Shipped images of OME-Zarr, each with its first chunk, behind a byte that asks for no
+/// processing.
+void write_zarr(const Seeds& seeds) {
+    const fs::path shipped = PXPL5_ZARR_FOLDER;
+    const auto json = [&](const fs::path& file) {
+        return nlohmann::json::parse(file_bytes(shipped / file)).dump();
+    };
+    for (const auto& [name, chunk] :
+         std::initializer_list<std::pair<const char*, const char*>>{{"plain", "0/0/0/0"},
+                                                                    {"zlib", "0/0/0/0"},
+                                                                    {"zstd", "0/0.0.0"},
+                                                                    {"blosc", "0/0/0/0"},
+                                                                    {"series", "0/0/0/0/0/0"}}) {
+        const fs::path image = std::string(name) + ".zarr";
+        seeds.write("zarr", name,
+                    std::string(1, '\0') + json(image / ".zattrs") + '\x1e' +
+                        json(image / "0/.zarray") + '\x1e' + file_bytes(shipped / image / chunk));
+    }
+}
+
 /// The elements behind the preamble, behind a byte that asks for no processing.
 std::string elements(const DicomSet& set) {
     return set.file().substr(132);
@@ -187,9 +209,7 @@ void write_meshes(const Seeds& seeds) {
     for (const char* suffix : {"stl", "ply", "vtp", "obj"}) {
         const std::string path = folder.file(std::string("m.") + suffix);
         host::io::write_mesh(path, mesh);
-        std::ifstream file(path, std::ios::binary);
-        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
-        seeds.write("mesh", suffix, *suffix + bytes);
+        seeds.write("mesh", suffix, *suffix + file_bytes(path));
     }
 }
 
@@ -206,6 +226,7 @@ int main(int argc, char** argv) {
     write_streams(seeds);
     write_questions(seeds);
     write_volumes(seeds);
+    write_zarr(seeds);
     write_dicom(seeds);
     write_meshes(seeds);
     return 0;
