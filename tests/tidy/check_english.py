@@ -75,6 +75,7 @@ def check(root: pathlib.Path) -> List[str]:
     errors = []
     for path in tree.files_of(root):
         text = path.suffix in tree.CPP | {".md", ".js", ".def", ".fbs", ".pxasm"}
-        if text and path.parts[:2] != ("tests", "tidy"):
+        is_english = path.parts[:2] != ("tests", "tidy") and not tree.is_translation(path)
+        if text and is_english:
             errors += errors_of(path, tree.read(root, path))
     return errors

@@ -202,7 +202,9 @@ class Planted(unittest.TestCase):
         self.plant("isa/a.cpp", "int t[] = {\n" + "    1,\n" * 90 + "};\n" +
                    "void f() {\n    g('{', \"{\");  // {\n}\n" * 30 + "#define A {\n" +
                    "enum class E {\n" + "    a,\n" * 80 + "};\n")
+        self.plant("host/serve/page/texts/de/a.js", "//" + "x" * 200 + "\n")
         self.assertEqual(check_lengths.check(self.root), [])
+        self.finds(check_lengths, "host/serve/page/texts/a.js", "//" + "x" * 99 + "\n", "columns")
 
     def test_layout(self):
         self.finds(check_layout, "extra/a.cpp", "", "extra: the top level is fixed")
@@ -240,6 +242,7 @@ class Planted(unittest.TestCase):
                 ("README.md", "x " * 51 + "\n", "102 columns")):
             self.finds(check_english, name, text, words)
         self.plant("isa/README.md", "| a table | " + "x " * 60 + "|\nThose who ask get it.\n")
+        self.plant("host/serve/page/texts/de/a.js", "// Farben: colour\n")
         self.assertEqual(check_english.check(self.root), [])
 
     def test_decisions(self):

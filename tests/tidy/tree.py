@@ -29,6 +29,11 @@ def is_table(path: pathlib.Path) -> bool:
     return path.suffix in {".def", ".fbs"} or bool(re.search(r"_tables?\.[ch]pp$", path.name))
 
 
+def is_translation(path: pathlib.Path) -> bool:
+    """The page's texts in another language: one text a line, however long."""
+    return path.parts[:4] == ("host", "serve", "page", "texts") and len(path.parts) > 5
+
+
 def read(root: pathlib.Path, path: pathlib.Path) -> str:
     return (root / path).read_text(encoding="utf-8", errors="replace")
 

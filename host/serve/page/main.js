@@ -32,6 +32,7 @@ import {PageSession} from './state/page_session.js';
 import {Selection} from './state/selection.js';
 import {Store} from './state/store.js';
 import {createLeft} from './surfaces/left.js';
+import {translatePage} from './texts/say.js';
 import {createTour} from './tour/tour.js';
 import {createOpenDialog} from './volume/open_volume.js';
 import {createSaveDialog} from './volume/saving.js';
@@ -44,6 +45,7 @@ function socketUrl() {
 }
 
 function start() {
+  translatePage();
   const connection = new Connection(socketUrl());
   const store = new Store();
   const toasts = new Toasts(byId('toasts'));

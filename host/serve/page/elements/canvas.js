@@ -1,4 +1,5 @@
 // Canvases that are sharp on every screen, and colors of the style sheet.
+import {say} from '../texts/say.js';
 
 const MAX_SCALE = 3;
 const BASE_FONT_PX = 13;    // tokens.css, on laptops.
@@ -66,7 +67,7 @@ export function letterFont(unit, weight = 600, size = 'small') {
 export function contextOf(canvas) {
   const context = canvas.getContext('2d');
   if (!context) {
-    throw new Error('this browser has no 2D canvas');
+    throw new Error(say`this browser has no 2D canvas`);
   }
   return context;
 }
@@ -79,8 +80,8 @@ export function contextOf(canvas) {
 export async function pngOf(canvas) {
   const written = await new Promise(take => canvas.toBlob(take));
   if (!written) {
-    throw new Error(`The browser cannot write a picture of ${canvas.width} x ${canvas.height} `
-      + 'pixels. Choose a smaller size.');
+    throw new Error(say`The browser cannot write a picture of ${canvas.width} x
+      ${canvas.height} pixels. Choose a smaller size.`);
   }
   return written;
 }

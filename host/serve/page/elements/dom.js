@@ -5,6 +5,11 @@ const SVG = 'http://www.w3.org/2000/svg';
 /** @typedef {string | number | Node | null | undefined | false} Child */
 /** @typedef {Record<string, any>} Attributes  `on...` are listeners; false omits an attribute. */
 
+/** Attributes of elements whose text is data, the same in each language: names and paths. */
+export const DATA = Object.freeze({translate: 'no'});
+/** Attributes of elements whose text was written by the machine, in English. */
+export const ENGLISH = Object.freeze({lang: 'en'});
+
 /**
  * @param {Element} element
  * @param {Attributes} attributes

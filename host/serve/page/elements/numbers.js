@@ -49,15 +49,6 @@ export function rewritten(text) {
 }
 
 /**
- * "1 node", "1,024 nodes".
- * @param {number} count
- * @param {string} what  One of them.
- */
-export function counted(count, what) {
-  return `${grouped(count)} ${what}${count === 1 ? '' : 's'}`;
-}
-
-/**
  * A duration: "0.42 ms", "125 ms", "1.84 s".
  * @param {number} ms
  */

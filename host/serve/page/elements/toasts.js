@@ -1,4 +1,5 @@
 // Messages for the user. Errors stay until the user closes them, notes for 6 s.
+import {say} from '../texts/say.js';
 import {h} from './dom.js';
 
 const NOTE_MS = 6000;
@@ -61,7 +62,7 @@ export class Toasts {
     }
     const toast = h('div', {class: `toast ${level}`, 'data-testid': `toast-${level}`},
       h('p', {}, text));
-    toast.append(h('button', {class: 'quiet', 'aria-label': 'Close this message',
+    toast.append(h('button', {class: 'quiet', 'aria-label': say`Close this message`,
       onclick: () => toast.remove()}, '×'));
     this.root_.append(toast);
     return toast;

@@ -1,5 +1,6 @@
 // The headset on the page: its button, what the help says about it, and the strip while it is worn.
 import {byId, h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {reasonAgainst} from './reasons.js';
 import {Worn} from './worn.js';
 
@@ -7,15 +8,15 @@ import {Worn} from './worn.js';
 /** @typedef {import('../picture/metrics.js').HeadsetFigures} HeadsetFigures */
 
 const CONTROLS = [
-  ['Grip', 'hold and turn the patient; with both hands: scale'],
-  ['Trigger', 'move a clip plane; pull it out of the patient to remove it'],
-  ['Stick', 'up or down changes the isovalue of the chosen surface'],
-  ['A or X', 'put the patient before you again'],
-  ['B or Y', 'at two places: measure their distance'],
+  [say`Grip`, say`hold and turn the patient; with both hands: scale`],
+  [say`Trigger`, say`move a clip plane; pull it out of the patient to remove it`],
+  [say`Stick`, say`up or down changes the isovalue of the chosen surface`],
+  [say`A or X`, say`put the patient before you again`],
+  [say`B or Y`, say`at two places: measure their distance`],
 ];
-const STATES = {visible: 'Shown in the headset.', 'visible-blurred':
-  'The headset shows a menu of its own over the patient.',
-  hidden: 'The headset is paused: it is taken off, or shows something else.'};
+const STATES = {visible: say`Shown in the headset.`, 'visible-blurred':
+  say`The headset shows a menu of its own over the patient.`,
+  hidden: say`The headset is paused: it is taken off, or shows something else.`};
 
 export class Headset {
   /**
@@ -33,7 +34,7 @@ export class Headset {
     this.isStarting_ = false;
     /** Hidden where the browser has found no headset. */
     this.button = h('button', {hidden: true, 'data-testid': 'headset',
-      onclick: () => this.session_ ? this.session_.end() : this.start_()}, 'Headset');
+      onclick: () => this.session_ ? this.session_.end() : this.start_()}, say`Headset`);
     /** For the help. */
     this.help = h('section', {'data-testid': 'headset-help'});
     /** @private */
@@ -42,7 +43,7 @@ export class Headset {
     this.mirror_ = h('div', {id: 'mirror', 'data-testid': 'headset-mirror', hidden: true},
       h('p', {role: 'status', 'data-testid': 'headset-state'}, this.state_, ' ',
         h('button', {'data-testid': 'headset-end', onclick: () => void this.session_?.end()},
-          'End')));
+          say`End`)));
     byId('stage').append(this.mirror_);
     // Else a drag on the button would turn the picture.
     this.mirror_.addEventListener('pointerdown', event => event.stopPropagation());
@@ -68,14 +69,14 @@ export class Headset {
   offer_() {
     const {reason} = this.figures_, {watches} = this.app_.connection;
     const cannotWarp = this.app_.picture.warp?.refusal ?? '';
-    const refusal = watches ? 'A view-only page cannot use a headset. Use the other address that '
-      + 'pxpl5 serve printed.'
-      : cannotWarp === '' ? '' : `The page cannot use a headset: ${cannotWarp}.`;
+    const refusal = watches ? say`A view-only page cannot use a headset. Use the other address that
+      pxpl5 serve printed.`
+      : cannotWarp === '' ? '' : say`The page cannot use a headset: ${cannotWarp}.`;
     this.button.hidden = reason !== '';
     this.button.disabled = refusal !== '';
-    this.button.title = refusal || 'Show the patient in the headset';
+    this.button.title = refusal || say`Show the patient in the headset`;
     const why = reason || refusal;
-    this.help.replaceChildren(h('h3', {}, 'Headset'), why === ''
+    this.help.replaceChildren(h('h3', {}, say`Headset`), why === ''
       ? h('dl', {}, ...CONTROLS.flatMap(([key, what]) => [h('dt', {}, key), h('dd', {}, what)]))
       : h('p', {class: 'muted', 'data-testid': 'headset-reason'}, why));
   }
@@ -95,8 +96,8 @@ export class Headset {
     } catch (error) {
       await session?.end().catch(() => {});
       this.mirror_.querySelector('.view')?.remove();
-      this.app_.toasts.error(`The headset could not be started: ${
-        error instanceof Error ? error.message : error}`);
+      this.app_.toasts.error(say`The headset could not be started: ${
+        error instanceof Error ? error.message : String(error)}`);
     } finally {
       this.isStarting_ = false;
     }
@@ -127,12 +128,12 @@ export class Headset {
       if (why !== '') {
         this.app_.toasts.error(why);
       } else {
-        this.app_.toasts.info('The headset session has ended.');
+        this.app_.toasts.info(say`The headset session has ended.`);
       }
     });
     canvas.addEventListener('webglcontextlost', () => {
       if (this.session_ === session) {
-        why = 'The headset session has ended: the browser has taken WebGL back.';
+        why = say`The headset session has ended: the browser has taken WebGL back.`;
         void session.end();
       }
     });

@@ -2,6 +2,7 @@
 import {bitmapOfFile, opacitiesOf} from '../picture/bitmaps.js';
 import {unpack} from '../picture/lean_depths.js';
 import {multiply} from '../picture/camera.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 /** @typedef {import('./windows.js').EyeWindow} EyeWindow */
@@ -176,8 +177,8 @@ export class Pairs {
       try {
         await this.show_(frame);
       } catch (error) {
-        this.tell_(`A pair of pictures could not be shown: ${
-          error instanceof Error ? error.message : error}`);
+        this.tell_(say`A pair of pictures could not be shown: ${
+          error instanceof Error ? error.message : String(error)}`);
       } finally {
         frame.shown();
       }
@@ -192,12 +193,12 @@ export class Pairs {
   async show_(frame) {
     const {header, depths} = frame, {pose, revision, width, height, views, layers} = header;
     if (views !== 2) {
-      throw new Error(`pair ${pose}: ${views} views, but a headset needs 2. Load the page again; `
-        + 'it may be older than the server.');
+      throw new Error(say`pair ${pose}: ${views} views, but a headset needs 2. Load the page again;
+        it may be older than the server.`);
     }
     if (depths.length !== views * layers) {
-      throw new Error(`pair ${pose}: the message has depths of ${depths.length} pictures, but `
-        + `${views} views of ${layers} layers need ${views * layers}. The server reports why.`);
+      throw new Error(say`pair ${pose}: the message has depths of ${depths.length} pictures, but
+        ${views} views of ${layers} layers need ${views * layers}. The server reports why.`);
     }
     const decoding = bitmapOfFile(frame);
     const unpacking = Promise.all(depths.map(each => unpack(each, width, height)));

@@ -1,6 +1,7 @@
 // The room around the patient: floor, letters, size, distances, hands, sentences.
 import {significant} from '../elements/numbers.js';
 import {SIDES} from '../picture/projection.js';
+import {say} from '../texts/say.js';
 import {add, cross, dot, length, minus, rotated, times, unit} from './rigid.js';
 
 /** @typedef {import('./rigid.js').Vector} Vector */
@@ -77,9 +78,9 @@ function handLines({grip, tip}) {
 /** @param {number} magnification */
 export function sizeText(magnification) {
   if (Math.abs(magnification - 1) < 0.005) {
-    return 'natural size';
+    return say`natural size`;
   }
-  return `${significant(magnification, magnification < 10 ? 2 : 3)} × natural size`;
+  return say`${significant(magnification, magnification < 10 ? 2 : 3)} × natural size`;
 }
 
 /**

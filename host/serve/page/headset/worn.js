@@ -2,6 +2,7 @@
 // never waits for the machine.
 import {inverse, multiply} from '../picture/camera.js';
 import {WarpPainter} from '../picture/warp_painter.js';
+import {say} from '../texts/say.js';
 import {Hands} from './hands.js';
 import {Pairs} from './pairs.js';
 import {Placement} from './placement.js';
@@ -285,15 +286,15 @@ export class Worn {
   sentence_() {
     const {connection, store} = this.app_;
     if (!connection.connected) {
-      return 'The connection to the server is lost.\nThe page tries again.';
+      return `${say`The connection to the server is lost.`}\n${say`The page tries again.`}`;
     }
     if (!store.state?.volume && !store.state?.archive) {
-      return 'No volume is open.';
+      return say`No volume is open.`;
     }
     if (this.refusal_ !== '') {
       return wrapped(this.refusal_);
     }
-    return this.pairs_.shown ? '' : 'Waiting for the first picture …';
+    return this.pairs_.shown ? '' : say`Waiting for the first picture …`;
   }
 
   /**

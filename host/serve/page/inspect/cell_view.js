@@ -2,6 +2,7 @@
 // Dragging and arrow keys rotate the cell.
 import {h, s} from '../elements/dom.js';
 import {grouped, significant} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {[number, number, number]} Vector */
 
@@ -60,8 +61,8 @@ export class CellView {
     this.isovalue_ = isovalue;
     this.color_ = color;
     const inside = (cell.values ?? []).filter(value => value >= isovalue).length;
-    this.svg.setAttribute('aria-label', `Cell ${cell.cell.join(', ')}: ${inside} of its 8 voxels ` +
-      `are inside, values ${(cell.values ?? []).map(valueText).join(', ')}. Arrow keys rotate it.`);
+    this.svg.setAttribute('aria-label', say`Cell ${cell.cell.join(', ')}: ${inside} of its 8 voxels
+      are inside, values ${(cell.values ?? []).map(valueText).join(', ')}. Arrow keys rotate it.`);
     this.draw_();
   }
 
@@ -138,15 +139,15 @@ export class CellView {
     /** @type {SVGElement[]} */
     const marks = (cell.corners ?? []).map(({voxel, fraction, value_0, value_1}) => {
       const {x, y} = this.inCell_(cell, voxel);
-      const title = fraction === undefined ? 'center of the crossings of the cell'
-        : `${grouped(100 * fraction, 1)} % of the way from ${valueText(value_0 ?? 0)} to `
-          + valueText(value_1 ?? 0);
+      const title = fraction === undefined ? say`center of the crossings of the cell`
+        : say`${grouped(100 * fraction, 1)} % of the way from ${valueText(value_0 ?? 0)} to
+          ${valueText(value_1 ?? 0)}`;
       return s('circle', {class: 'crossing', cx: x, cy: y, r: 4, fill: this.color_},
         s('title', {}, title));
     });
     if (cell.hit_voxel) {
       const {x, y} = this.inCell_(cell, cell.hit_voxel);
-      marks.push(s('g', {class: 'hit'}, s('title', {}, 'hit point of the pixel'),
+      marks.push(s('g', {class: 'hit'}, s('title', {}, say`hit point of the pixel`),
         s('line', {x1: x - 6, y1: y, x2: x + 6, y2: y}),
         s('line', {x1: x, y1: y - 6, x2: x, y2: y + 6})));
     }

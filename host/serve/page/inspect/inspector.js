@@ -3,6 +3,7 @@ import {CellView} from './cell_view.js';
 import {h, s} from '../elements/dom.js';
 import {intro, messageLine, modeButton} from '../panel/panel_parts.js';
 import {StreamView} from './stream_view.js';
+import {say} from '../texts/say.js';
 import {cardsOf, changesOf} from './why_cards.js';
 
 /**
@@ -15,9 +16,9 @@ import {cardsOf, changesOf} from './why_cards.js';
  */
 
 const MODE = 'inspect';
-const HINT = 'Click a pixel to explain its color. Press Esc to stop.';
-const EMPTY = 'Press Inspect, then click a pixel in the picture.';
-const WATCHING = 'A view-only page cannot inspect.';
+const HINT = say`Click a pixel to explain its color. Press Esc to stop.`;
+const EMPTY = say`Press Inspect, then click a pixel in the picture.`;
+const WATCHING = say`A view-only page cannot inspect.`;
 
 const testIdOf = (/** @type {Element} */ element) => element.getAttribute('data-testid');
 
@@ -48,14 +49,14 @@ class InspectorPanel {
     this.ring = s('g', {class: 'inspected'});
     this.x = this.field('x');
     this.y = this.field('y');
-    const button = modeButton(app, {name: MODE, title: 'Inspect', hint: HINT,
+    const button = modeButton(app, {name: MODE, title: say`Inspect`, hint: HINT,
       testid: 'inspect-mode', click: (x, y) => void this.ask(x, y)});
     const form = h('form', {class: 'tool-row drives', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
       void this.ask(this.x.valueAsNumber, this.y.valueAsNumber);
-    }}, button, h('span', {class: 'muted'}, 'or pixel'), this.x, this.y,
-    h('button', {type: 'submit', 'data-testid': 'why-ask'}, 'Why?'));
-    root.append(intro('Explains the color of a pixel, back to eight voxels.'),
+    }}, button, h('span', {class: 'muted'}, say`or pixel`), this.x, this.y,
+    h('button', {type: 'submit', 'data-testid': 'why-ask'}, say`Why?`));
+    root.append(intro(say`Explains the color of a pixel, back to eight voxels.`),
       form, this.message.element, this.cards, this.stream.element);
     app.connection.on('hello', () => {
       if (this.revision === 0) {
@@ -77,7 +78,7 @@ class InspectorPanel {
   /** @param {string} name */
   field(name) {
     return h('input', {type: 'number', min: 0, step: 1, required: true, class: 'pixel',
-      'aria-label': `Pixel ${name}`, title: `Pixel ${name}`,
+      'aria-label': say`Pixel ${name}`, title: say`Pixel ${name}`,
       'data-testid': `why-${name}`});
   }
 
@@ -90,7 +91,7 @@ class InspectorPanel {
     const number = ++this.asked;
     this.x.value = String(x);
     this.y.value = String(y);
-    this.message.say(`Explaining pixel (${x}, ${y}) …`);
+    this.message.say(say`Explaining pixel (${x}, ${y}) …`);
     const reply = await this.app.connection.do(`why ${x} ${y}`, {quiet: true});
     if (number !== this.asked) {
       return;
@@ -138,7 +139,7 @@ class InspectorPanel {
       this.cards.classList.add('outdated');
       this.pixel = null;
       this.mark();
-      this.message.say('The picture has changed. This explains the previous picture.');
+      this.message.say(say`The picture has changed. This explains the previous picture.`);
     } else {
       this.tellSamples();
     }
@@ -149,8 +150,8 @@ class InspectorPanel {
     const {picture} = this.app, samples = picture.header?.samples ?? 1;
     if (this.pixel && this.cards.childElementCount > 0) {
       this.message.say(samples === 1 ? '' :
-        `The picture shows ${picture.colorAt(this.pixel)}, the mean of ${samples} samples of ` +
-        'the pixel. This explains one sample, at the pixel\'s center.');
+        say`The picture shows ${picture.colorAt(this.pixel)}, the mean of ${samples} samples of
+        the pixel. This explains one sample, at the pixel's center.`);
     }
   }
 }

@@ -9,6 +9,7 @@ import {editNote} from '../panel/note_editor.js';
 import {choiceRow, intro, messageLine, modeButton, sentenceOf} from '../panel/panel_parts.js';
 import {MeasureEnds} from './measure_ends.js';
 import {drawMarks} from './measure_marks.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('../panel/measures.js').Measure} Measure */
@@ -17,14 +18,14 @@ import {drawMarks} from './measure_marks.js';
 
 const MODE = 'measure';
 const HINTS = {
-  distance: 'Click two points on a surface to measure the distance. Press Esc to stop.',
-  angle: 'Click three points on a surface: the second is the vertex. Press Esc to stop.',
-  path: 'Click the points of a path on a surface. Enter ends it. Press Esc to stop.',
-  part: 'Click a part of a surface to measure its volume. Press Esc to stop.',
-  note: 'Click a point on a surface, then type the note. Press Esc to stop.',
+  distance: say`Click two points on a surface to measure the distance. Press Esc to stop.`,
+  angle: say`Click three points on a surface: the second is the vertex. Press Esc to stop.`,
+  path: say`Click the points of a path on a surface. Enter ends it. Press Esc to stop.`,
+  part: say`Click a part of a surface to measure its volume. Press Esc to stop.`,
+  note: say`Click a point on a surface, then type the note. Press Esc to stop.`,
 };
-const NO_VOLUME = 'This part has no volume, because it or a part in it has holes. '
-  + 'The watertight tables leave no holes.';
+const NO_VOLUME = say`This part has no volume, because it or a part in it has holes.
+  The watertight tables leave no holes.`;
 const MOST_ERRORS = 3;      // Of a session, in one message.
 const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
 
@@ -64,40 +65,40 @@ class MeasurePanel {
   /** @param {HTMLElement} root */
   build(root) {
     const {app} = this;
-    this.button = modeButton(app, {name: MODE, title: 'Measure', hint: () => HINTS[this.kind],
+    this.button = modeButton(app, {name: MODE, title: say`Measure`, hint: () => HINTS[this.kind],
       testid: 'measure-mode',
       click: (x, y) => {
         const {kind} = this;
         this.afterClicks(() => this.click(x, y, kind));
       },
       leave: () => this.afterClicks(() => this.finish())});
-    const kinds = choiceRow('What to measure', [
-      {name: 'distance', title: 'Distance', help: 'Straight line between two points'},
-      {name: 'angle', title: 'Angle', help: 'Three points: the second is the vertex'},
-      {name: 'path', title: 'Path', help: 'Length of straight lines from point to point'},
-      {name: 'part', title: 'Part',
-        help: 'Volume of a connected part of a surface, or of a cavity in it'},
-      {name: 'note', title: 'Note', help: 'An arrow with a text'},
+    const kinds = choiceRow(say`What to measure`, [
+      {name: 'distance', title: say`Distance`, help: say`Straight line between two points`},
+      {name: 'angle', title: say`Angle`, help: say`Three points: the second is the vertex`},
+      {name: 'path', title: say`Path`, help: say`Length of straight lines from point to point`},
+      {name: 'part', title: say`Part`,
+        help: say`Volume of a connected part of a surface, or of a cavity in it`},
+      {name: 'note', title: say`Note`, help: say`An arrow with a text`},
     ], kind => this.choose(kind));
     this.done = h('button', {type: 'button', hidden: true, 'data-testid': 'measure-done',
-      title: 'Ends the path (Enter)',
-      onclick: () => this.afterClicks(() => this.finish())}, 'End path');
+      title: say`Ends the path (Enter)`,
+      onclick: () => this.afterClicks(() => this.finish())}, say`End path`);
     const save = (/** @type {string} */ suffix, /** @type {() => string} */ text) =>
       h('button', {type: 'button', class: 'quiet', 'data-testid': `measure-${suffix}`,
-        title: `Saves all measurements as ${suffix.toUpperCase()}`,
+        title: say`Saves all measurements as ${suffix.toUpperCase()}`,
         onclick: () => saveBlob(new Blob([text()]), `measurements.${suffix}`)},
       suffix.toUpperCase());
     const volume = () => app.store.state?.volume ?? {name: '', unit: ''};
     this.files = h('div', {class: 'tool-row', hidden: true},
-      h('span', {class: 'legend'}, 'Save as'),
+      h('span', {class: 'legend'}, say`Save as`),
       save('csv', () => csvOf(app.measures.list, volume())),
       save('json', () => jsonOf(app.measures.list, volume())), h('span', {class: 'grow'}),
       h('button', {type: 'button', class: 'quiet', 'data-testid': 'measure-delete-all',
-        onclick: () => app.measures.removeAll()}, 'Delete all'));
+        onclick: () => app.measures.removeAll()}, say`Delete all`));
     app.picture.overlay.append(this.drawing);
     root.append(
-      intro('Distances, angles, paths, volumes of parts, and notes on surfaces. Slices measure, '
-        + 'too.'),
+      intro(say`Distances, angles, paths, volumes of parts, and notes on surfaces. Slices measure,
+        too.`),
       h('div', {class: 'tool-row drives'}, kinds.element, this.button, this.done),
       this.list.element, this.files, this.message.element);
   }
@@ -146,7 +147,7 @@ class MeasurePanel {
     const more = errors.length - MOST_ERRORS;
     if (errors.length > 0) {
       this.app.toasts.error([...errors.slice(0, MOST_ERRORS),
-        ...more > 0 ? [`${more} more were left out.`] : []].join('\n'));
+        ...more > 0 ? [say`${more} more were left out.`] : []].join('\n'));
     }
   }
 
@@ -199,7 +200,7 @@ class MeasurePanel {
     // The point of each click is kept: the pixel may show another one at the next click.
     const isPart = kind === 'part';
     if (isPart) {
-      this.message.say('Measuring the part …');
+      this.message.say(say`Measuring the part …`);
     }
     const {ok, error = '', result} = await this.app.connection.do(
       `pick ${x} ${y}${isPart ? ' part=yes' : ''}`, {quiet: true});
@@ -207,7 +208,7 @@ class MeasurePanel {
       return;  // The point belongs to a volume that was shown before.
     }
     if (!ok || !result?.hit) {
-      this.message.fail(ok ? 'There is no surface. Click a point on a surface.' : error);
+      this.message.fail(ok ? say`There is no surface. Click a point on a surface.` : error);
       return;
     }
     if (kind === 'note') {
@@ -252,15 +253,16 @@ class MeasurePanel {
       this.message.fail(refusal);
     } else {
       this.message.say(this.points.sentence +
-        (isPath && this.points.list.length > 0 ? ' Click the next point, or press Enter.' : ''));
+        (isPath && this.points.list.length > 0 ? ` ${say`Click the next point, or press Enter.`}`
+          : ''));
     }
     this.draw();
   }
 
   show() {
     const {measures, connection} = this.app;
-    const advice = connection.watches ? 'A view-only page measures in slices alone.'
-      : 'Press Measure, then click points on a surface.';
+    const advice = connection.watches ? say`A view-only page measures in slices alone.`
+      : say`Press Measure, then click points on a surface.`;
     if (measures.list.length !== this.told) {
       this.told = measures.list.length;
       this.message.say(this.told > 0 ? '' : advice);
@@ -317,7 +319,7 @@ class MeasurePanel {
     const place = picture.eyes()[0]?.project(p_mm) ?? {x: 0, y: 0};
     this.note = p_mm;
     this.draw();
-    this.message.say('Type the text of the note. Enter keeps it.');
+    this.message.say(say`Type the text of the note. Enter keeps it.`);
     this.edit({left: place.x + ASIDE, top: place.y - ASIDE}, '', text => {
       this.note = null;
       const refusal = text !== null && voxels === this.voxels

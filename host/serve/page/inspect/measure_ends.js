@@ -1,6 +1,7 @@
 // Ends of measurements in the picture: dragged, or moved by keys, from surface to surface.
 import {PART_STAYS, isRegion, through} from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/measures.js').Measure} Measure */
 /** @typedef {import('../panel/app.js').Eye} Eye */
@@ -10,8 +11,8 @@ import {sentenceOf} from '../panel/panel_parts.js';
  */
 
 const MOUSE_REACH = 12, FINGER_REACH = 22;   // CSS pixels.
-const NOWHERE = 'There is no surface. The end is back in its place.';
-const OUTSIDE = 'The pointer is outside of the picture. The end is back in its place.';
+const NOWHERE = say`There is no surface. The end is back in its place.`;
+const OUTSIDE = say`The pointer is outside of the picture. The end is back in its place.`;
 
 /**
  * How far from an end a pointer grabs it.
@@ -38,7 +39,7 @@ export class MeasureEnds {
     /** @type {import('../panel/measure_list.js').Mover} */
     this.mover = {
       refusal: measure => this.refusal_(measure),
-      hint: 'Arrow keys move it by a pixel along the surface, with Shift by 10.',
+      hint: say`Arrow keys move it by a pixel along the surface, with Shift by 10.`,
       look: () => {},
       move: ({name}, end, across, down) => {
         const {jumps} = app.measures;
@@ -62,9 +63,9 @@ export class MeasureEnds {
    * @param {Measure} measure
    */
   refusal_({kind}) {
-    return this.app_.connection.watches ? 'A view-only page moves ends in slices alone.'
+    return this.app_.connection.watches ? say`A view-only page moves ends in slices alone.`
       : kind === 'part' ? PART_STAYS
-      : isRegion(kind) ? 'The corners of regions move in the tab Slices.' : '';
+      : isRegion(kind) ? say`The corners of regions move in the tab Slices.` : '';
   }
 
   /**
@@ -167,7 +168,7 @@ export class MeasureEnds {
     const pixel = picture.pixelOf({x: place.x / picture.width, y: place.y / picture.height});
     const sentence = place.visible
       ? await this.put_(name, end, {x: pixel.x + across, y: pixel.y + down})
-      : 'This end is not in the picture. Turn the picture until it shows the end.';
+      : say`This end is not in the picture. Turn the picture until it shows the end.`;
     if (sentence) {
       this.message_.fail(sentence);
     } else {

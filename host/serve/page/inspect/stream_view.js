@@ -1,9 +1,10 @@
 // Steps through the instruction stream of a region: the pixels after each instruction, and the
 // disassembly.
 import {contextOf} from '../elements/canvas.js';
-import {h} from '../elements/dom.js';
-import {counted, grouped} from '../elements/numbers.js';
+import {ENGLISH, h} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
+import {plural, say} from '../texts/say.js';
 
 /**
  * @typedef {object} Scrub              The answer to `ask scrub`.
@@ -23,8 +24,8 @@ const DIMMED = 0.35;            // Brightness of a disabled pixel.
 const STEP_MS = 80;             // Between steps during playback.
 const PLAY_STEPS = 150;         // Steps per playback.
 /** Fields of the pixels, named as in `ask scrub`. */
-const FIELDS = [['', 'automatic'], ['rgb', 'color'], ['normal', 'normal'], ['z', 'depth'],
-  ['surface', 'surface']];
+const FIELDS = [['', say`automatic`], ['rgb', say`color`], ['normal', say`normal`],
+  ['z', say`depth`], ['surface', say`surface`]];
 const PAGE = 256;               // Instructions per Page Up or Page Down.
 
 /**
@@ -60,17 +61,19 @@ export class StreamView {
     /** @private */ this.asking_ = false;
     /** @private */ this.playing_ = false;
     this.canvas = h('canvas', {class: 'region', width: EDGE, height: EDGE, role: 'img',
-      'data-testid': 'region', 'aria-label': 'Pixels after the executed instructions'});
+      'data-testid': 'region', 'aria-label': say`Pixels after the executed instructions`});
     /** @private */ this.mark_ = h('div', {class: 'region-mark', 'aria-hidden': 'true'});
     this.slider = h('input', {type: 'range', min: 0, max: 0, value: 0, 'data-testid': 'scrub',
-      'aria-label': 'Executed instructions', oninput: () => this.user_(Number(this.slider.value))});
+      'aria-label': say`Executed instructions`,
+      oninput: () => this.user_(Number(this.slider.value))});
     /** @private */ this.status_ = h('p', {class: 'legend number', 'data-testid': 'scrub-status'});
-    /** @private */ this.lines_ = h('ol', {class: 'disassembly', 'data-testid': 'disassembly'});
+    /** @private */ this.lines_ = h('ol', {...ENGLISH, class: 'disassembly',
+      'data-testid': 'disassembly'});
     /** @private */ this.meaning_ = h('p', {class: 'meaning', 'data-testid': 'scrub-meaning'});
-    /** @private */ this.play_ = this.button_('Play', 'scrub-play', 'Play the instruction stream',
-      () => this.setPlaying_(!this.playing_));
+    /** @private */ this.play_ = this.button_(say`Play`, 'scrub-play',
+      say`Play the instruction stream`, () => this.setPlaying_(!this.playing_));
     /** @private */ this.field_ = h('select', {'data-testid': 'scrub-field',
-      'aria-label': 'Displayed field',
+      'aria-label': say`Displayed field`,
       onchange: () => this.seek_(this.last_?.at ?? -1)},
     ...FIELDS.map(([value, text]) => h('option', {value}, text)));
     this.element = this.build_();
@@ -91,22 +94,23 @@ export class StreamView {
   build_() {
     const by = (/** @type {number} */ step) => () => this.user_((this.last_?.at ?? 0) + step);
     const element = h('section', {class: 'why-card', 'data-testid': 'stream'},
-      h('h3', {}, 'Instructions of the region, step by step'),
+      h('h3', {}, say`Instructions of the region, step by step`),
       h('div', {class: 'region-frame'}, this.canvas, this.mark_), this.status_, this.slider,
       h('div', {class: 'tool-row'},
-        this.button_('«', 'scrub-first', 'Go to the start', () => this.user_(0)),
-        this.button_('‹', 'scrub-back', 'Step back (left arrow)', by(-1)),
+        this.button_('«', 'scrub-first', say`Go to the start`, () => this.user_(0)),
+        this.button_('‹', 'scrub-back', say`Step back (left arrow)`, by(-1)),
         this.play_,
-        this.button_('›', 'scrub-on', 'Step forward (right arrow)', by(1)),
-        this.button_('»', 'scrub-last', 'Go to the end', () => this.user_(this.last_?.count ?? 0)),
-        h('label', {class: 'number-field'}, 'show', this.field_)),
-      h('div', {class: 'tool-row'}, h('span', {class: 'muted'}, 'Marked pixel:'),
-        this.button_('‹ previous change', 'change-back', 'Go to the previous change of this pixel',
-          () => this.jump_(-1)),
-        this.button_('next change ›', 'change-on', 'Go to the next change of this pixel',
+        this.button_('›', 'scrub-on', say`Step forward (right arrow)`, by(1)),
+        this.button_('»', 'scrub-last', say`Go to the end`,
+          () => this.user_(this.last_?.count ?? 0)),
+        h('label', {class: 'number-field'}, say`show`, this.field_)),
+      h('div', {class: 'tool-row'}, h('span', {class: 'muted'}, say`Marked pixel:`),
+        this.button_(say`‹ previous change`, 'change-back',
+          say`Go to the previous change of this pixel`, () => this.jump_(-1)),
+        this.button_(say`next change ›`, 'change-on', say`Go to the next change of this pixel`,
           () => this.jump_(1))),
       this.meaning_, this.lines_,
-      h('p', {class: 'legend'}, 'Dark pixels are disabled. Instructions do not write to them.'));
+      h('p', {class: 'legend'}, say`Dark pixels are disabled. Instructions do not write to them.`));
     element.addEventListener('keydown', event => this.key_(event));
     return element;
   }
@@ -195,12 +199,14 @@ export class StreamView {
     this.mark_.style.top = `${(y - scrub.y0 + 0.5) / EDGE * 100}%`;
     this.slider.max = String(scrub.count);
     this.slider.value = String(scrub.at);
-    this.status_.textContent = `${grouped(scrub.at)} of ` +
-      `${counted(scrub.count, 'instruction')} executed, region ${scrub.region} on ` +
-      `renderer-${scrub.renderer}, ${counted(scrub.enabled, 'pixel')} enabled`;
+    const {count, enabled} = scrub;
+    const instructions = plural(count, say`1 instruction`, say`${grouped(count)} instructions`);
+    const writable = plural(enabled, say`1 pixel`, say`${grouped(enabled)} pixels`);
+    this.status_.textContent = say`${grouped(scrub.at)} of ${instructions} executed,
+      region ${scrub.region} on renderer-${scrub.renderer}, ${writable} enabled`;
     const next = scrub.lines.find(line => line.at === scrub.at);
-    this.meaning_.textContent = next ? `Next (${next.address}): ${next.meaning}`
-      : 'All instructions are executed.';
+    this.meaning_.textContent = next ? say`Next (${next.address}): ${next.meaning}`
+      : say`All instructions are executed.`;
     this.lines_.replaceChildren(...scrub.lines.map(line => h('li', {
       class: line.at === scrub.at ? 'now' : '', title: line.address,
       'aria-current': line.at === scrub.at ? 'step' : null,
@@ -233,7 +239,7 @@ export class StreamView {
       return;
     }
     this.playing_ = playing;
-    this.play_.textContent = playing ? 'Pause' : 'Play';
+    this.play_.textContent = playing ? say`Pause` : say`Play`;
     if (playing) {
       if (this.last_ && this.last_.at >= this.last_.count) {
         this.seek_(0);

@@ -1,7 +1,8 @@
 // The result of `why` as cards: pixel, instructions, triangle, cell.
 import {CellView} from './cell_view.js';
-import {h} from '../elements/dom.js';
+import {ENGLISH, h} from '../elements/dom.js';
 import {grouped, short} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./cell_view.js').Cell} Cell */
 /** @typedef {{surface_field: number, z: number, normal: number[], rgb: number}} PixelState */
@@ -60,12 +61,12 @@ function colorOf(parts) {
  */
 function changeText({before, after}) {
   /** @type {[string, string, string][]} */
-  const fields = [['surface', String(before.surface_field), String(after.surface_field)],
-    ['depth', grouped(before.z), grouped(after.z)],
-    ['normal', `(${before.normal.join(', ')})`, `(${after.normal.join(', ')})`],
-    ['color', colorText(before.rgb), colorText(after.rgb)]];
+  const fields = [[say`surface`, String(before.surface_field), String(after.surface_field)],
+    [say`depth`, grouped(before.z), grouped(after.z)],
+    [say`normal`, `(${before.normal.join(', ')})`, `(${after.normal.join(', ')})`],
+    [say`color`, colorText(before.rgb), colorText(after.rgb)]];
   return fields.filter(([, a, b]) => a !== b).map(([name, a, b]) => `${name} ${a} → ${b}`)
-    .join(', ') || 'no change';
+    .join(', ') || say`no change`;
 }
 
 /**
@@ -84,17 +85,17 @@ function writeList(writes) {
   return h('ol', {class: 'writes'}, ...writes.slice(0, MOST_WRITES).map(write => h('li', {},
     h('code', {}, write.instruction), h('span', {class: 'muted'}, changeText(write)))),
   writes.length > MOST_WRITES ? h('li', {class: 'muted'},
-    `and ${grouped(writes.length - MOST_WRITES)} more`) : '');
+    say`and ${grouped(writes.length - MOST_WRITES)} more`) : '');
 }
 
 /** @param {Why} why */
 function pixelCard(why) {
   const swatch = h('span', {class: 'swatch'});
   swatch.style.background = colorText(why.color);
-  return card('Pixel', 'why-pixel',
+  return card(say`Pixel`, 'why-pixel',
     h('div', {class: 'row'}, swatch, h('code', {}, colorText(why.color)),
-      h('span', {class: 'muted'}, `region ${why.region} on renderer-${why.renderer}`)),
-    h('p', {'data-testid': 'why-sentence'}, why.sentence));
+      h('span', {class: 'muted'}, say`region ${why.region} on renderer-${why.renderer}`)),
+    h('p', {...ENGLISH, 'data-testid': 'why-sentence'}, why.sentence));
 }
 
 /**
@@ -113,10 +114,10 @@ function foldedWrites(testid, title, writes) {
  * @param {Visit | undefined} shown
  */
 function instructionCard(why, shown) {
-  return card('Instructions', 'why-instructions',
-    shown ? foldedWrites('why-stores', 'Stores by the triangle', shown.writes) : h('p', {},
-      'No triangle was stored in this pixel. The prologue wrote the background.'),
-    foldedWrites('why-end-stores', 'Stores at the end of the region', why.end_of_region));
+  return card(say`Instructions`, 'why-instructions',
+    shown ? foldedWrites('why-stores', say`Stores by the triangle`, shown.writes) : h('p', {},
+      say`No triangle was stored in this pixel. The prologue wrote the background.`),
+    foldedWrites('why-end-stores', say`Stores at the end of the region`, why.end_of_region));
 }
 
 /**
@@ -124,10 +125,11 @@ function instructionCard(why, shown) {
  * @param {boolean} isShown
  */
 function visitRow(visit, isShown) {
-  const what = visit.cell ? `triangle ${visit.cell.triangle} of cell ${visit.cell.cell.join(', ')}`
+  const what = visit.cell
+    ? say`triangle ${visit.cell.triangle ?? '?'} of cell ${visit.cell.cell.join(', ')}`
     : visit.address;
-  const result = isShown ? 'shown' : visit.shut_out ? 'masked' : visit.stored ? 'overwritten'
-    : 'behind';
+  const result = isShown ? say`shown` : visit.shut_out ? say`masked`
+    : visit.stored ? say`overwritten` : say`behind`;
   return h('tr', {class: isShown ? 'shown' : ''}, h('td', {}, what),
     h('td', {class: 'number'}, visit.z === undefined ? '–' : grouped(visit.z)),
     h('td', {}, result));
@@ -136,9 +138,18 @@ function visitRow(visit, isShown) {
 /** @param {Why} why */
 function coverText({visits, primitives_in_region}) {
   const all = grouped(primitives_in_region);
-  return visits.length === 0 ? `None of the region’s ${all} primitives covers this pixel.`
-    : `${grouped(visits.length)} of the region’s ${all} primitives cover this pixel. ` +
-      'The smallest depth is in front.';
+  return visits.length === 0 ? say`None of the region’s ${all} primitives covers this pixel.`
+    : say`${grouped(visits.length)} of the region’s ${all} primitives cover this pixel.
+      The smallest depth is in front.`;
+}
+
+/**
+ * @param {Visit} visit
+ * @param {number} [isovalue]
+ */
+function originText({gp, slab, surface}, isovalue) {
+  return isovalue === undefined ? say`From gp-${gp}, slab ${slab}, surface ${surface}.`
+    : say`From gp-${gp}, slab ${slab}, surface ${surface}, isovalue ${short(isovalue, 3)}.`;
 }
 
 /**
@@ -147,13 +158,12 @@ function coverText({visits, primitives_in_region}) {
  */
 function triangleCard(why, shown) {
   const surface = shown && why.surfaces[shown.surface];
-  const iso = surface?.isovalue === undefined ? '' : `, isovalue ${short(surface.isovalue, 3)}`;
-  return card('Triangle', 'why-triangle',
-    shown ? h('p', {}, `From gp-${shown.gp}, slab ${shown.slab}, surface ${shown.surface}` +
-      `${iso}.`) : '',
+  return card(say`Triangle`, 'why-triangle',
+    shown ? h('p', {}, originText(shown, surface?.isovalue)) : '',
     h('p', {class: 'muted'}, coverText(why)),
     why.visits.length > 0 ? h('table', {class: 'visits'},
-      h('thead', {}, h('tr', {}, h('th', {}, 'primitive'), h('th', {}, 'depth'), h('th', {}, ''))),
+      h('thead', {}, h('tr', {}, h('th', {}, say`primitive`), h('th', {}, say`depth`),
+        h('th', {}, ''))),
       h('tbody', {}, ...why.visits.slice(0, MOST_VISITS).map(visit =>
         visitRow(visit, visit === shown)))) : '');
 }
@@ -164,17 +174,17 @@ function triangleCard(why, shown) {
  * @param {CellView} view
  */
 function cellCard(cell, surface, view) {
-  const title = `Cell ${cell.cell.join(', ')}`;
+  const title = say`Cell ${cell.cell.join(', ')}`;
   if (cell.unknown || !cell.values || surface?.isovalue === undefined) {
     return card(title, 'why-cell', h('p', {class: 'panel-message bad'},
-      cell.unknown ?? 'The voxels of this cell are not known.'));
+      cell.unknown ?? say`The voxels of this cell are not known.`));
   }
   view.show(cell, surface.isovalue, colorOf(surface.color));
   const inside = cell.values.filter(value => value >= Number(surface.isovalue)).length;
   return card(title, 'why-cell',
-    h('p', {class: 'muted'}, `Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8 ` +
-      `voxels are inside (at least ${short(surface.isovalue, 3)}), drawn filled. Triangle ` +
-      `${cell.triangle} of ${cell.triangle_count}. Drag to rotate.`),
+    h('p', {class: 'muted'}, say`Case ${cell.case}, table ${surface.table ?? '?'}: ${inside} of 8
+      voxels are inside (at least ${short(surface.isovalue, 3)}), drawn filled. Triangle
+      ${cell.triangle ?? '?'} of ${cell.triangle_count ?? '?'}. Drag to rotate.`),
     view.element, cell.doubt ? h('p', {class: 'panel-message bad'}, cell.doubt) : '');
 }
 

@@ -1,4 +1,5 @@
 // The WebSocket to the server: commands, questions, replies, events, reconnection.
+import {say} from '../texts/say.js';
 import {magicOf, parseAnswer, parseFrame} from './messages.js';
 import {subjectOf, toLine} from './lines.js';
 import {ANSWER_HEADER_MAGIC, FRAME_HEADER_MAGIC} from './vocabulary.js';
@@ -10,11 +11,11 @@ const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 4000;
 /** Messages for close codes, if the server gives no reason. */
 const CLOSED_BECAUSE = new Map([
-  [1008, 'The server closed the connection: too many messages, or not allowed.'],
-  [1009, 'The server closed the connection: a message was too long.'],
-  [1013, 'The server closed the connection: it is overloaded.'],
+  [1008, say`The server closed the connection: too many messages, or not allowed.`],
+  [1009, say`The server closed the connection: a message was too long.`],
+  [1013, say`The server closed the connection: it is overloaded.`],
 ]);
-const LOST = 'The connection was lost before the server replied.';
+const LOST = say`The connection was lost before the server replied.`;
 
 /**
  * @typedef {object} Waiting            The sender of a message, who waits for the reply.
@@ -169,7 +170,7 @@ export class Connection {
     return new Promise((answer, reject) => {
       const reply = (/** @type {Reply} */ failed) => reject(new Error(failed.error ?? LOST));
       if (this.request_(question, {line: '', sentAt: performance.now(), reply, answer}) === 0) {
-        reject(new Error('Not connected.'));
+        reject(new Error(say`Not connected.`));
       }
     });
   }
@@ -182,7 +183,7 @@ export class Connection {
   eyes(eyes) {
     return new Promise(reply => {
       if (this.request_({eyes}, {line: '', sentAt: performance.now(), reply}) === 0) {
-        reply({ok: false, error: 'Not connected.'});
+        reply({ok: false, error: say`Not connected.`});
       }
     });
   }
@@ -238,7 +239,7 @@ export class Connection {
       };
       const id = this.request_({do: line}, {line, sentAt: performance.now(), reply});
       if (id === 0) {
-        reply({ok: false, error: 'Not connected: nothing was changed.'});
+        reply({ok: false, error: say`Not connected: nothing was changed.`});
       }
     });
   }
@@ -363,7 +364,7 @@ export class Connection {
     const waiting = [...this.waiting_.values()];
     this.waiting_.clear();
     this.emit_('lost', reason === '' ? CLOSED_BECAUSE.get(code) ?? ''
-      : `The server closed the connection: ${reason}`);
+      : say`The server closed the connection: ${reason}`);
     for (const {reply} of waiting) {
       reply({ok: false, superseded: false, error: LOST});
     }

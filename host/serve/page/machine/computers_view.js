@@ -1,6 +1,7 @@
 // The other computers of a machine: their state, and buttons that use or release them.
 import {h} from '../elements/dom.js';
-import {counted} from '../elements/numbers.js';
+import {grouped} from '../elements/numbers.js';
+import {plural, say} from '../texts/say.js';
 
 /**
  * An entry of the answer to the command `computers`.
@@ -11,6 +12,15 @@ import {counted} from '../elements/numbers.js';
  * @property {number} nodes
  * @property {string} [why]  Why it is lost.
  */
+
+/** @type {Record<Computer['state'], string>} */
+const STATES = {used: say`used`, idle: say`idle`, lost: say`lost`, released: say`released`};
+
+/** @param {Computer} computer */
+function stateText({state, cores, nodes, why}) {
+  return [STATES[state] ?? state, plural(cores, say`1 core`, say`${grouped(cores)} cores`),
+    plural(nodes, say`1 node`, say`${grouped(nodes)} nodes`)].join(', ') + (why ? `: ${why}` : '');
+}
 
 export class ComputersView {
   /** @param {import('../panel/app.js').App} app */
@@ -23,12 +33,12 @@ export class ComputersView {
     this.rows_ = h('div', {class: 'stack', 'data-testid': 'computers'});
     /** @private */
     this.invitation_ = h('p', {class: 'legend', hidden: true, 'data-testid': 'invitation'});
-    this.element = h('div', {class: 'stack', hidden: true}, h('h3', {}, 'Computers'), this.rows_,
+    this.element = h('div', {class: 'stack', hidden: true}, h('h3', {}, say`Computers`), this.rows_,
       h('div', {class: 'row'},
-        h('button', {'data-testid': 'computers-use', title: 'Places the nodes again, on all ' +
-          'computers that have joined', onclick: () => void this.change_('use')}, 'Use all'),
-        h('button', {'data-testid': 'computers-invite', title: 'Prints the command for one more ' +
-          'computer', onclick: () => void this.invite_()}, 'Invite')),
+        h('button', {'data-testid': 'computers-use', title: say`Places the nodes again, on all
+          computers that have joined`, onclick: () => void this.change_('use')}, say`Use all`),
+        h('button', {'data-testid': 'computers-invite', title: say`Prints the command for one more
+          computer`, onclick: () => void this.invite_()}, say`Invite`)),
       this.invitation_);
     // A note may say that a computer has joined or is lost, or that the machine has restarted.
     app.connection.on('note', () => this.show(this.isShown_));
@@ -64,11 +74,11 @@ export class ComputersView {
       const canRelease = each.state === 'used' || each.state === 'idle';
       return h('div', {class: 'row', 'data-testid': `computer-${each.name}`},
         h('span', {class: 'grow'}, h('strong', {}, each.name), ' ',
-          h('span', {class: 'muted'}, `${each.state}, ${counted(each.cores, 'core')}, ` +
-            counted(each.nodes, 'node') + (each.why ? `: ${each.why}` : ''))),
-        canUse ? h('button', {onclick: () => void this.change_(`use ${each.name}`)}, 'Use') : null,
+          h('span', {class: 'muted'}, stateText(each))),
+        canUse ? h('button', {onclick: () => void this.change_(`use ${each.name}`)}, say`Use`)
+          : null,
         canRelease ? h('button', {onclick: () => void this.change_(`release ${each.name}`)},
-          'Release') : null);
+          say`Release`) : null);
     }));
   }
 

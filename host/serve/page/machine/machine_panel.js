@@ -9,6 +9,7 @@ import {HeadsetTimes, PointerTimes} from './pointer_times.js';
 import {RegionMap} from './region_map.js';
 import {RingView} from './ring_view.js';
 import {StageBars} from './stage_bars.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 
@@ -57,17 +58,17 @@ class MachinePanel {
     this.message = messageLine('machine-message');
     this.body = h('div', {class: 'stack', hidden: true},
       this.ring.canvas, this.ring.legend,
-      h('h3', {}, 'Load of each node'), this.nodes.element,
-      h('p', {class: 'legend'}, 'Each curve shows the last 10 seconds. Click a node to inspect ' +
-        'or kill it.'),
+      h('h3', {}, say`Load of each node`), this.nodes.element,
+      h('p', {class: 'legend'}, say`Each curve shows the last 10 seconds. Click a node to inspect
+        or kill it.`),
       this.computers.element,
-      h('h3', {}, 'Regions by Renderer'), this.regions.canvas, this.regions.readout,
-      h('h3', {}, 'Time per frame'), this.stages.element, this.pointer.element,
+      h('h3', {}, say`Regions by Renderer`), this.regions.canvas, this.regions.readout,
+      h('h3', {}, say`Time per frame`), this.stages.element, this.pointer.element,
       this.headset.element,
-      h('h3', {}, 'Modelled machine of 1993'), new ModelView(app).element);
-    root.append(h('p', {class: 'panel-intro'}, 'Activity of the nodes. ', this.title),
+      h('h3', {}, say`Modelled machine of 1993`), new ModelView(app).element);
+    root.append(h('p', {class: 'panel-intro'}, `${say`Activity of the nodes.`} `, this.title),
       this.message.element, this.events, this.body);
-    this.message.say('Waiting for the nodes to report …');
+    this.message.say(say`Waiting for the nodes to report …`);
     this.listen(root);
   }
 
@@ -94,8 +95,8 @@ class MachinePanel {
       }
     });
     store.subscribe(['machine'], ({machine}) => {
-      this.title.textContent = `Topology “${machine.topology}”: ${machine.gps} GPs, ` +
-        `${machine.renderers} Renderers.`;
+      this.title.textContent = say`Topology “${machine.topology}”: ${machine.gps} GPs,
+        ${machine.renderers} Renderers.`;
     });
   }
 
@@ -158,7 +159,7 @@ class MachinePanel {
     const reply = await this.app.connection.do(`kill ${name}`);
     if (reply.ok) {
       this.bury([name]);
-      this.tell(reply.text ?? `${name} was killed.`);
+      this.tell(reply.text ?? say`${name} was killed.`);
     }
   }
 

@@ -1,7 +1,8 @@
 // Part of the machine panel: the modelled time of the 1993 machine for the current scene.
 import {h} from '../elements/dom.js';
-import {counted, duration, percent, significant} from '../elements/numbers.js';
+import {duration, grouped, percent, significant} from '../elements/numbers.js';
 import {messageLine} from '../panel/panel_parts.js';
+import {plural, say} from '../texts/say.js';
 
 /**
  * How busy the units of a kind were: shares of the time, 0..1; index of the busiest one, from 0.
@@ -31,8 +32,9 @@ import {messageLine} from '../panel/panel_parts.js';
  */
 
 /** Names of the units on the page. */
-const UNITS = new Map([['GP', 'GPs'], ['ring', 'ring channels'], ['Renderer', 'Renderers'],
-  ['frame buffer', 'frame buffer ports']]);
+const UNITS = new Map([['host', say`host`], ['host link', say`host link`], ['GP', say`GPs`],
+  ['ring', say`ring channels`], ['Renderer', say`Renderers`],
+  ['frame buffer', say`frame buffer ports`], ['waiting', say`waiting`]]);
 
 /** @param {string} unit */
 function unitName(unit) {
@@ -43,10 +45,10 @@ function unitName(unit) {
 function limitText({limit, use}) {
   const limiting = use.find(({unit}) => unit === limit);
   if (limiting) {
-    return `Limit: ${unitName(limit)}, ${percent(limiting.busiest)} busy`;
+    return say`Limit: ${unitName(limit)}, ${percent(limiting.busiest)} busy`;
   }
   const most = use.reduce((a, b) => b.busiest > a.busiest ? b : a);
-  return `Limit: ${limit}, ${unitName(most.unit)} ${percent(most.busiest)} busy`;
+  return say`Limit: ${unitName(limit)}, ${unitName(most.unit)} ${percent(most.busiest)} busy`;
 }
 
 /**
@@ -56,20 +58,25 @@ function limitText({limit, use}) {
  */
 export function factsOf({machine, gps, renderers, frame_buffers, load, surfaces, frame}) {
   /** @type {[string, string][]} */
-  const facts = [['Machine', `${machine}\n${counted(gps, 'GP')}, ` +
-    `${counted(renderers, 'Renderer')}\n${counted(frame_buffers, 'frame buffer')}`]];
+  const facts = [[say`Machine`, [machine,
+    plural(gps, say`1 GP`, say`${grouped(gps)} GPs`) + ', ' +
+    plural(renderers, say`1 Renderer`, say`${grouped(renderers)} Renderers`),
+    plural(frame_buffers, say`1 frame buffer`, say`${grouped(frame_buffers)} frame buffers`)]
+    .join('\n')]];
   if (load) {
-    facts.push(['Load time', `${duration(load.ms)}\n${limitText(load)}`]);
+    facts.push([say`Load time`, `${duration(load.ms)}\n${limitText(load)}`]);
   }
   for (const surface of surfaces) {
-    facts.push([`Surface ${surface.name}`, `extracted in ${duration(surface.ms)}\n` +
-      `${counted(surface.triangles, 'triangle')}\n${limitText(surface)}`]);
+    facts.push([say`Surface ${surface.name}`, [say`extracted in ${duration(surface.ms)}`,
+      plural(surface.triangles, say`1 triangle`, say`${grouped(surface.triangles)} triangles`),
+      limitText(surface)].join('\n')]);
   }
   const {primitives, samples, frames_per_s, latency_ms} = frame;
   const rate = significant(frames_per_s, 3);
-  facts.push(['Frames', `${rate} frames/s\nlatency ${duration(latency_ms)}\n` +
-    `${counted(primitives, 'primitive')}\n${counted(samples, 'sample')} per pixel\n` +
-    limitText(frame)]);
+  facts.push([say`Frames`, [say`${rate} frames/s`, say`latency ${duration(latency_ms)}`,
+    plural(primitives, say`1 primitive`, say`${grouped(primitives)} primitives`),
+    plural(samples, say`1 sample per pixel`, say`${grouped(samples)} samples per pixel`),
+    limitText(frame)].join('\n')]);
   return facts;
 }
 
@@ -82,9 +89,9 @@ function useRow({unit, mean, busiest, index}, isLimit) {
   const name = unitName(unit);
   const title = name[0].toUpperCase() + name.slice(1);
   const [average, most] = [percent(mean), percent(busiest)];
-  const text = average === most ? most : `${average}, busiest ${most}`;
+  const text = average === most ? most : say`${average}, busiest ${most}`;
   const bar = h('div', {class: 'stage-bar',
-    title: `${title}: ${average} on average, ${most} for the busiest (number ${index})`});
+    title: say`${title}: ${average} on average, ${most} for the busiest (number ${index})`});
   const parts = {'stage-0': mean, 'use-busiest': busiest - mean};
   for (const [part, share] of Object.entries(parts)) {
     const piece = h('span', {class: part});
@@ -93,7 +100,7 @@ function useRow({unit, mean, busiest, index}, isLimit) {
   }
   const label = h('div', {class: 'stage-label', 'data-testid': 'model-use'},
     h('span', {}, isLimit ? h('b', {}, title) : title,
-      isLimit && h('span', {class: 'muted'}, ' limit')),
+      isLimit && h('span', {class: 'muted'}, ` ${say`limit`}`)),
     h('span', {class: 'number'}, text));
   return [label, bar];
 }
@@ -107,7 +114,7 @@ export class ModelView {
     this.revision_ = null;
     /** @private */
     this.go_ = h('button', {type: 'button', 'data-testid': 'model-go',
-      onclick: () => void this.ask_()}, 'Estimate');
+      onclick: () => void this.ask_()}, say`Estimate`);
     /** @private */
     this.message_ = messageLine('model-message');
     /** @private */
@@ -119,22 +126,22 @@ export class ModelView {
     /** @private */
     this.told_ = h('div', {class: 'stack', hidden: true}, this.facts_, this.legend_, this.use_);
     this.element = h('div', {class: 'stack', 'data-testid': 'model'},
-      h('p', {class: 'legend'}, 'Estimates how long the machine of 1993 needed for the same ' +
-        'work. The work is counted and replayed on a model of that machine.'),
+      h('p', {class: 'legend'}, say`Estimates how long the machine of 1993 needed for the same
+        work. The work is counted and replayed on a model of that machine.`),
       h('div', {class: 'tool-row'}, this.go_, this.message_.element), this.told_);
     app.store.subscribe(['revision'], ({revision}) => this.compare_(revision));
     document.addEventListener('estimate', () => this.go_.click());
     app.connection.on('hello', () => {
       this.go_.hidden = app.connection.watches;
       this.message_.say(app.connection.watches
-        ? 'A view-only page cannot request an estimate.' : '');
+        ? say`A view-only page cannot request an estimate.` : '');
     });
   }
 
   /** @private */
   async ask_() {
     this.go_.disabled = true;
-    this.message_.say('Counting …');
+    this.message_.say(say`Counting …`);
     const reply = await this.app_.connection.do('model', {quiet: true});
     this.go_.disabled = false;
     if (reply.ok) {
@@ -144,7 +151,7 @@ export class ModelView {
       this.told_.scrollIntoView({block: 'nearest'});
       this.compare_(this.app_.store.state?.revision ?? null);
     } else {
-      this.message_.fail(reply.error ?? 'The machine did not answer.');
+      this.message_.fail(reply.error ?? say`The machine did not answer.`);
     }
     document.dispatchEvent(new CustomEvent('estimated', {detail: {result: reply.result ?? null,
       revision: reply.revision ?? 0, error: reply.ok ? '' : reply.error ?? ''}}));
@@ -160,7 +167,7 @@ export class ModelView {
     if (isOld !== this.told_.classList.contains('outdated')) {
       this.told_.classList.toggle('outdated', isOld);
       if (!this.go_.disabled) {  // Otherwise the message shows the progress.
-        this.message_.say(isOld ? 'The picture has changed since this estimate.' : '');
+        this.message_.say(isOld ? say`The picture has changed since this estimate.` : '');
       }
     }
   }
@@ -174,8 +181,8 @@ export class ModelView {
     this.facts_.replaceChildren(...factsOf(modelled).flatMap(([what, is]) =>
       [h('dt', {}, what), h('dd', {}, is)]));
     const {use, limit} = modelled.frame;
-    this.legend_.textContent = 'Load of the units while the same view is redrawn. Bright: ' +
-      'average of all units of a kind. Dim: the busiest unit.';
+    this.legend_.textContent = say`Load of the units while the same view is redrawn. Bright:
+      average of all units of a kind. Dim: the busiest unit.`;
     this.use_.replaceChildren(...use.flatMap(each => useRow(each, each.unit === limit)));
   }
 }

@@ -3,6 +3,7 @@ import {h} from '../elements/dom.js';
 import {grouped, percent} from '../elements/numbers.js';
 import {memoryText} from './node_list.js';
 import {sumsOf} from './ring_flow.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
 
@@ -22,14 +23,14 @@ function table(head, rows) {
 /** @param {NodeReport} node */
 function tablesOf(node) {
   const sums = sumsOf(node.sent);
-  return [node.stages.length > 0 ? table(['stage', 'ms'], node.stages.map(({name, ms}) =>
+  return [node.stages.length > 0 ? table([say`stage`, 'ms'], node.stages.map(({name, ms}) =>
     [name.replaceAll('_', ' '), grouped(ms, 1)])) : '',
-  sums.length > 0 ? table(['sent to', 'kind', 'channels', 'messages', 'kB'], sums.map(each =>
-    [each.to, each.kind, each.channels.join(' '), grouped(each.messages),
+  sums.length > 0 ? table([say`sent to`, say`kind`, say`channels`, say`messages`, 'kB'],
+    sums.map(each => [each.to, each.kind, each.channels.join(' '), grouped(each.messages),
       grouped(each.bytes / 1e3, 1)]))
-    : h('p', {class: 'legend'}, 'No messages were sent.'),
+    : h('p', {class: 'legend'}, say`No messages were sent.`),
   sums.length > MOST_ROWS ? h('p', {class: 'legend'},
-    `Showing the ${MOST_ROWS} largest of ${sums.length}.`) : ''];
+    say`Showing the ${MOST_ROWS} largest of ${sums.length}.`) : ''];
 }
 
 export class NodeDialog {
@@ -45,18 +46,18 @@ export class NodeDialog {
     const mortal = MORTAL.has(role) && kill !== null;
     /** @private */ this.status_ = h('p', {class: 'muted', 'data-testid': 'node-status'});
     /** @private */ this.tables_ = h('div', {class: 'node-tables', tabindex: 0,
-      role: 'region', 'aria-label': `Report of ${name}`});  // It scrolls, also by keys.
+      role: 'region', 'aria-label': say`Report of ${name}`});  // It scrolls, also by keys.
     /** @private */ this.end_ = h('button', {type: 'button', class: 'danger',
       'data-testid': 'node-kill', onclick: () => {
         dialog.close();
         kill?.(name);
-      }}, `Kill ${name}`);
+      }}, say`Kill ${name}`);
     dialog.append(h('h2', {}, name), this.status_, this.tables_,
-      mortal ? h('p', {}, 'Killing the node ends its process at once, to exercise failure ' +
-        'handling. The machine restarts, and the scene is restored.') : '',
+      mortal ? h('p', {}, say`Killing the node ends its process at once, to exercise failure
+        handling. The machine restarts, and the scene is restored.`) : '',
       h('div', {class: 'dialog-buttons'}, mortal ? this.end_ : '',
         h('button', {type: 'button', autofocus: true, 'data-testid': 'node-close',
-          onclick: () => dialog.close()}, 'Close')));
+          onclick: () => dialog.close()}, say`Close`)));
     document.body.append(dialog);
     dialog.showModal();
   }
@@ -68,13 +69,13 @@ export class NodeDialog {
   update(node, dead) {
     this.end_.disabled = dead;
     if (dead || node.answered === false) {  // The last report stays.
-      this.status_.textContent = dead ? 'This node is dead. The tables show its last report.'
-        : 'This node is too busy to report. The tables show its last report.';
+      this.status_.textContent = dead ? say`This node is dead. The tables show its last report.`
+        : say`This node is too busy to report. The tables show its last report.`;
       return;
     }
-    this.status_.textContent = `In the last ${grouped((node.wall_ms ?? 0) / 1000, 2)} s: ` +
-      `${percent(node.busy)} busy, ${grouped(node.queue)} in the message queue, ` +
-      `${memoryText(node.memory_bytes)} of memory.`;
+    this.status_.textContent = say`In the last ${grouped((node.wall_ms ?? 0) / 1000, 2)} s:
+      ${percent(node.busy)} busy, ${grouped(node.queue)} in the message queue,
+      ${memoryText(node.memory_bytes)} of memory.`;
     this.tables_.replaceChildren(...tablesOf(node));
   }
 }

@@ -1,6 +1,7 @@
 // The load of each node, now and in the last seconds. Each node is a button with a dialog.
-import {h, s} from '../elements/dom.js';
+import {DATA, h, s} from '../elements/dom.js';
 import {grouped, percent} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
 
@@ -49,7 +50,7 @@ class NodeCell {
         event.preventDefault();
         choose(name, event);
       }},
-    h('span', {class: 'node-name'}, name),
+    h('span', {...DATA, class: 'node-name'}, name),
     s('svg', {class: 'spark', viewBox: `0 0 ${SPARK[0]} ${SPARK[1]}`, preserveAspectRatio: 'none',
       'aria-hidden': true}, this.path_), this.percent_,
     s('svg', {class: 'level', viewBox: '0 0 100 2', preserveAspectRatio: 'none',
@@ -60,9 +61,9 @@ class NodeCell {
   mark(dead) {
     this.element.classList.toggle('dead', dead);
     if (dead) {
-      this.percent_.textContent = 'dead';
+      this.percent_.textContent = say`dead`;
       this.bar_.setAttribute('width', '0');
-      this.element.title = `${this.name_} is dead`;
+      this.element.title = say`${this.name_} is dead`;
     }
   }
 
@@ -79,8 +80,9 @@ class NodeCell {
     this.bar_.setAttribute('width', String(known ? 100 * busy : 0));
     this.path_.setAttribute('d', sparkPath(this.shares_));
     this.element.title = known
-      ? `${name}: ${load} busy, ${memoryText(memory_bytes)}, ${grouped(queue)} in the message queue`
-      : `${name} is too busy to report`;
+      ? say`${name}: ${load} busy, ${memoryText(memory_bytes)},
+        ${grouped(queue)} in the message queue`
+      : say`${name} is too busy to report`;
   }
 }
 

@@ -1,6 +1,7 @@
 // How late the screen follows the pointer or the head, and how old the machine's pictures are.
 import {h} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /**
  * The median and the value that 95 % do not exceed; null for an empty list.
@@ -28,10 +29,10 @@ export class PointerTimes {
     const picture = spreadOf(figures?.picture_age_ms ?? []);
     this.element.hidden = !pointer || !picture;
     if (pointer && picture) {
-      this.element.textContent = 'From the pointer to the screen: '
-        + `${grouped(pointer.median)} ms (median), ${grouped(pointer.most)} ms (95 %). `
-        + 'Age of the viewpoint that the machine drew: '
-        + `${grouped(picture.median)} ms, ${grouped(picture.most)} ms.`;
+      this.element.textContent = say`From the pointer to the screen:
+        ${grouped(pointer.median)} ms (median), ${grouped(pointer.most)} ms (95 %).
+        Age of the viewpoint that the machine drew:
+        ${grouped(picture.median)} ms, ${grouped(picture.most)} ms.`;
     }
   }
 }
@@ -49,12 +50,12 @@ export class HeadsetTimes {
     const error = spreadOf(prediction_error_mm);
     this.element.hidden = !pose || !age;
     if (pose && age) {
-      this.element.textContent = 'Headset, from the pose to the pixels: '
-        + `${grouped(pose.median)} ms (median), ${grouped(pose.most)} ms (95 %). `
-        + `Age of the pose that the machine drew: ${grouped(age.median)} ms, `
-        + `${grouped(age.most)} ms.`
-        + (error ? ` Error of the predicted pose: ${grouped(error.median, 1)} mm, `
-          + `${grouped(error.most, 1)} mm.` : '');
+      this.element.textContent = say`Headset, from the pose to the pixels:
+        ${grouped(pose.median)} ms (median), ${grouped(pose.most)} ms (95 %).
+        Age of the pose that the machine drew: ${grouped(age.median)} ms,
+        ${grouped(age.most)} ms.`
+        + (error ? ` ${say`Error of the predicted pose: ${grouped(error.median, 1)} mm,
+          ${grouped(error.most, 1)} mm.`}` : '');
     }
   }
 }

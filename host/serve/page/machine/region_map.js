@@ -2,8 +2,9 @@
 import {contextOf, fitted, letterFont, onceAFrame, styleColor, watchSize}
   from '../elements/canvas.js';
 import {byId, h} from '../elements/dom.js';
-import {counted, grouped} from '../elements/numbers.js';
+import {grouped} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
+import {plural, say} from '../texts/say.js';
 
 /** @typedef {{columns: number, rows: number, renderer: number[], cycles: number[]}} Regions */
 
@@ -33,7 +34,8 @@ export class RegionMap {
     /** @private */ this.awaits_ = false;
     /** @private @type {number | null} */ this.hovered_ = null;
     this.canvas = h('canvas', {class: 'region-map', role: 'img', 'data-testid': 'region-map',
-      'aria-label': 'Regions of the picture. The color shows the Renderer, lightness the cycles.'});
+      'aria-label': say`Regions of the picture. The color shows the Renderer, lightness the
+        cycles.`});
     this.readout = h('p', {class: 'legend', 'data-testid': 'region-readout'});
     /** @private */ this.drawSoon_ = onceAFrame(() => this.draw_());
     watchSize(this.canvas, this.drawSoon_);
@@ -138,20 +140,22 @@ export class RegionMap {
   tell_() {
     const regions = this.regions_;
     if (!regions) {
-      this.readout.textContent = this.awaits_ ? 'Waiting for the next picture …'
-        : 'No frame has been drawn yet.';
+      this.readout.textContent = this.awaits_ ? say`Waiting for the next picture …`
+        : say`No frame has been drawn yet.`;
     } else if (this.hovered_ === null) {
       const all = regions.cycles.reduce((sum, each) => sum + each, 0);
       const most = Math.max(...regions.cycles);
-      this.readout.textContent = 'Number and color show the Renderer, lightness the ' +
-        `cycles: maximum ${grouped(most)}, total ${grouped(all)}.`;
+      this.readout.textContent = say`Number and color show the Renderer, lightness the
+        cycles: maximum ${grouped(most)}, total ${grouped(all)}.`;
     } else {
       const renderer = regions.renderer[this.hovered_];
       const column = this.hovered_ % regions.columns;
       const row = Math.floor(this.hovered_ / regions.columns);
-      this.readout.textContent = `Region (${column}, ${row}): ` +
-        `${renderer === undefined ? '' : `renderer-${renderer}, `}` +
-        counted(regions.cycles[this.hovered_] ?? 0, 'cycle');
+      const count = regions.cycles[this.hovered_] ?? 0;
+      const cycles = plural(count, say`1 cycle`, say`${grouped(count)} cycles`);
+      this.readout.textContent = renderer === undefined
+        ? say`Region (${column}, ${row}): ${cycles}`
+        : say`Region (${column}, ${row}): renderer-${renderer}, ${cycles}`;
     }
   }
 }

@@ -2,8 +2,9 @@
 import {fitted, letterFont, onceAFrame, prefersReducedMotion, styleColor, watchSize}
   from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
-import {counted, grouped, percent} from '../elements/numbers.js';
+import {grouped, percent} from '../elements/numbers.js';
 import {dotsOf, flowsOf, stretchesOf} from './ring_flow.js';
+import {plural, say} from '../texts/say.js';
 
 /** @typedef {import('./ring_flow.js').Flow} Flow */
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
@@ -23,10 +24,10 @@ const NODES = 0.88;
 
 /** Kinds of messages; all others are control. Colors are those of tokens.css. */
 const KINDS = [
-  {kind: 'RegionPrograms', label: 'programs', color: '--of-gp'},
-  {kind: 'RegionPixels', label: 'pixels', color: '--of-renderer'},
-  {kind: 'FrameDone', label: 'frames', color: '--of-frame-buffer'},
-  {kind: '', label: 'control', color: '--of-host'},
+  {kind: 'RegionPrograms', label: say`programs`, color: '--of-gp'},
+  {kind: 'RegionPixels', label: say`pixels`, color: '--of-renderer'},
+  {kind: 'FrameDone', label: say`frames`, color: '--of-frame-buffer'},
+  {kind: '', label: say`control`, color: '--of-host'},
 ];
 const CONTROL = '--of-host';
 const ROLE_COLORS = new Map([['host', CONTROL], ['gp', '--of-gp'], ['renderer', '--of-renderer'],
@@ -123,10 +124,10 @@ export class RingView {
         ({flow, born: now + number * GOLDEN % 1 * report.wall_ms})));
       this.dots_.splice(0, this.dots_.length - DOTS_ALIVE);
     }
-    this.scale_.textContent = flows.length === 0 ? 'No messages: the machine is idle.'
-      : prefersReducedMotion() ? 'Brighter arcs carried more messages.'
-        : `One dot is ${counted(each, 'message')}.`;
-    this.canvas.setAttribute('aria-label', `Ring of ${report.nodes.length} nodes`);
+    this.scale_.textContent = flows.length === 0 ? say`No messages: the machine is idle.`
+      : prefersReducedMotion() ? say`Brighter arcs carried more messages.`
+        : say`One dot is ${plural(each, say`1 message`, say`${grouped(each)} messages`)}.`;
+    this.canvas.setAttribute('aria-label', say`Ring of ${report.nodes.length} nodes`);
     this.drawSoon_();
     this.run_();
   }
@@ -268,7 +269,7 @@ export class RingView {
         context.textAlign = 'center';
         context.fillStyle = dead ? color : styleColor(this.canvas, '--text');
         const side = Math.sin(angle) < -0.01 ? -1 : 1;
-        context.fillText(dead ? `${name} dead` : name, x, y + side * (size + 9 * this.unit_));
+        context.fillText(dead ? say`${name} dead` : name, x, y + side * (size + 9 * this.unit_));
       }
     });
   }
@@ -286,10 +287,10 @@ export class RingView {
       : report.channels.reduce((sum, each) => sum + each.messages, 0);
     const bytes = node ? node.sent.reduce((sum, each) => sum + each.bytes, 0)
       : report.channels.reduce((sum, each) => sum + each.bytes, 0);
-    const lines = [node ? node.name : `${grouped(report.frames / seconds, 1)} frames/s`,
-      `${grouped(messages / seconds)} messages/s`, `${grouped(bytes / seconds / 1e6, 1)} MB/s`];
+    const lines = [node ? node.name : say`${grouped(report.frames / seconds, 1)} frames/s`,
+      say`${grouped(messages / seconds)} messages/s`, `${grouped(bytes / seconds / 1e6, 1)} MB/s`];
     if (node) {
-      lines.splice(1, 0, `${percent(node.busy)} busy`);
+      lines.splice(1, 0, say`${percent(node.busy)} busy`);
     }
     context.textAlign = 'center';
     lines.forEach((line, number) => {

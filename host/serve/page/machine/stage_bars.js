@@ -1,12 +1,14 @@
 // Time per frame: stages of the busiest node of each role, wall time and modelled time.
-import {h} from '../elements/dom.js';
+import {ENGLISH, h} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./ring_flow.js').MachineReport} MachineReport */
 /** @typedef {import('./ring_flow.js').NodeReport} NodeReport */
 /** @typedef {{label: string, who: string, parts: {name: string, ms: number}[]}} Row */
 
-const KINDS = [['gp', 'GPs'], ['renderer', 'Renderers'], ['framebuffer', 'Frame buffer']];
+const KINDS = [['gp', say`GPs`], ['renderer', say`Renderers`],
+  ['framebuffer', say`Frame buffer`]];
 const MANY = 8;     // Number of stage colors; more stages repeat the colors.
 
 /**
@@ -55,9 +57,9 @@ export class StageBars {
     /** @private */
     this.clocks_ = h('div', {class: 'stage-rows', 'data-testid': 'clocks'});
     this.element = h('div', {class: 'stack', 'data-testid': 'stages'}, this.rows_, this.clocks_,
-      h('p', {class: 'legend'}, 'The modelled time counts the cycles of the busiest Renderer ' +
-        'at 40 MHz, with the same number of Renderers and samples. It excludes GPs, ring and ' +
-        'frame buffer.'));
+      h('p', {class: 'legend'}, say`The modelled time counts the cycles of the busiest Renderer
+        at 40 MHz, with the same number of Renderers and samples. It excludes GPs, ring and
+        frame buffer.`));
   }
 
   /** @param {MachineReport} report  Without a finished frame the bars stay. */
@@ -69,11 +71,11 @@ export class StageBars {
       const scale = Math.max(...totals, 0.001);
       this.rows_.replaceChildren(...rows.flatMap(({label, who, parts}, row) => [
         h('div', {class: 'stage-label'}, h('span', {}, label, h('span', {class: 'muted'},
-          ` ${who}, busiest`)), h('span', {class: 'number'}, msText(totals[row]))),
+          ` ${say`${who}, busiest`}`)), h('span', {class: 'number'}, msText(totals[row]))),
         bar(parts.map(({name, ms}, n) => ({ms, class: `stage-${n % MANY}`,
-          title: `${name}: ${msText(ms)} per frame`})), scale),
+          title: say`${name}: ${msText(ms)} per frame`})), scale),
         h('p', {class: 'legend keys'}, ...parts.filter(({ms}) => ms > 0.02 * scale).map(
-          ({name, ms}) => h('span', {}, h('i', {class: `stage-${
+          ({name, ms}) => h('span', ENGLISH, h('i', {class: `stage-${
             parts.findIndex(part => part.name === name) % MANY}`}), `${name} ${msText(ms)}`))),
       ]));
     }
@@ -86,8 +88,8 @@ export class StageBars {
           h('span', {class: 'number'}, msText(ms))),
         bar([{ms, class: color, title: msText(ms)}], scale)];
       this.clocks_.replaceChildren(
-        ...clock('Last frame, wall time', frame.elapsed_ms, 'stage-0'),
-        ...clock('Same frame, Renderers of 1993', modelled, 'stage-2'));
+        ...clock(say`Last frame, wall time`, frame.elapsed_ms, 'stage-0'),
+        ...clock(say`Same frame, Renderers of 1993`, modelled, 'stage-2'));
     }
   }
 }

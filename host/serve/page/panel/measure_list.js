@@ -1,7 +1,8 @@
 // The list of measurements: names, values, and the ends of the chosen one.
 import {h, setText} from '../elements/dom.js';
-import {partText, slabNote, valuesText} from './measure_words.js';
-import {KIND_TITLES, MOST_NOTE, endTitle, measureText} from './measures.js';
+import {say} from '../texts/say.js';
+import {kindWord, partText, slabNote, valuesText} from './measure_words.js';
+import {MOST_NOTE, endTitle, measureText} from './measures.js';
 
 /** @typedef {import('./measures.js').Measure} Measure */
 
@@ -35,7 +36,7 @@ export class MeasureList {
     /** @private */ this.message_ = message;
     /** @private @type {Map<string, Row>} */ this.rows_ = new Map();
     this.element = h('ul', {class: 'distances', 'data-testid': `${testid}-list`,
-      'aria-label': 'Measurements'});
+      'aria-label': say`Measurements`});
     app.measures.watch(() => this.show());
   }
 
@@ -70,7 +71,7 @@ export class MeasureList {
     const {measures} = this.app_;
     const value = h('b', {class: 'number'}), values = h('div', {class: 'legend'});
     const choose = h('button', {type: 'button', class: 'quiet badge', 'aria-expanded': isChosen,
-      'aria-label': `Measurement ${name}`, title: 'Shows its ends and its name',
+      'aria-label': say`Measurement ${name}`, title: say`Shows its ends and its name`,
       'data-testid': `${this.testid_}-choose-${name}`, onclick: () => {
         measures.choose(isChosen ? '' : name);
         this.showVolume_(measures.named(name));
@@ -79,10 +80,9 @@ export class MeasureList {
       }}, name);
     const element = h('li', {class: isChosen ? 'chosen' : ''}, h('div', {class: 'tool-row'}, choose,
       h('div', {class: 'grow'}, value,
-        kind !== 'distance' && h('span', {class: 'legend'},
-          ` ${KIND_TITLES[kind].toLowerCase()}`), values),
-      h('button', {type: 'button', class: 'quiet', 'aria-label': `Delete measurement ${name}`,
-        title: 'Delete', 'data-testid': `${this.testid_}-delete-${name}`,
+        kind !== 'distance' && h('span', {class: 'legend'}, ` ${kindWord(kind)}`), values),
+      h('button', {type: 'button', class: 'quiet', 'aria-label': say`Delete measurement ${name}`,
+        title: say`Delete`, 'data-testid': `${this.testid_}-delete-${name}`,
         onclick: () => measures.remove(name)}, '×')),
     isChosen && this.more_(name, points_mm.length));
     return {element, shape, update: measure => {
@@ -91,7 +91,8 @@ export class MeasureList {
       setText(values, [measure.values
         ? `${valuesText(measure.values, unit)}${slabNote(measure.slice)}`
         : measure.part ? partText(measure.part, unit) : '',
-      measures.isSeen(measure) ? '' : `of volume ${measure.frame}`].filter(Boolean).join(', '));
+      measures.isSeen(measure) ? '' : say`of volume ${measure.frame ?? 1}`]
+        .filter(Boolean).join(', '));
     }};
   }
 
@@ -110,8 +111,9 @@ export class MeasureList {
       document.dispatchEvent(new Event('pauseseries'));
       void connection.do(`time ${frame}`);
     } else {
-      this.message_.fail(`Measurement ${name} belongs to volume ${frame}, which `
-        + (isThere ? 'is not shown.' : 'this scan does not have.'));
+      this.message_.fail(isThere
+        ? say`Measurement ${name} belongs to volume ${frame}, which is not shown.`
+        : say`Measurement ${name} belongs to volume ${frame}, which this scan does not have.`);
     }
   }
 
@@ -124,7 +126,7 @@ export class MeasureList {
   more_(name, count) {
     const {measures} = this.app_;
     const field = h('input', {type: 'text', value: name, maxlength: 60,
-      'aria-label': `Name of measurement ${name}`, 'data-testid': `${this.testid_}-name`,
+      'aria-label': say`Name of measurement ${name}`, 'data-testid': `${this.testid_}-name`,
       onchange: () => {
         const refusal = measures.rename(name, field.value);
         if (refusal) {
@@ -134,11 +136,11 @@ export class MeasureList {
       }});
     const note = measures.named(name)?.text;
     const text = note !== undefined && h('input', {type: 'text', value: note, maxlength: MOST_NOTE,
-      'aria-label': `Text of note ${name}`, 'data-testid': `${this.testid_}-text`,
+      'aria-label': say`Text of note ${name}`, 'data-testid': `${this.testid_}-text`,
       onchange: (/** @type {Event} */ event) =>
         measures.write(name, /** @type {HTMLInputElement} */ (event.target).value)});
-    return h('div', {class: 'tool-row'}, h('label', {class: 'number-field'}, 'Name', field),
-      text && h('label', {class: 'number-field grow'}, 'Text', text),
+    return h('div', {class: 'tool-row'}, h('label', {class: 'number-field'}, say`Name`, field),
+      text && h('label', {class: 'number-field grow'}, say`Text`, text),
       ...Array.from({length: count}, (_, end) => this.end_(name, end, count)));
   }
 
@@ -154,7 +156,8 @@ export class MeasureList {
     const withMeasure = act => {
       const measure = measures.named(name);
       const refusal = !measure ? '' : measures.isSeen(measure) ? mover.refusal(measure)
-        : `Measurement ${name} belongs to volume ${measure.frame}. Show that volume first.`;
+        : say`Measurement ${name} belongs to volume ${measure.frame ?? 1}. Show that volume
+          first.`;
       if (measure && !refusal) {
         act(measure);
       } else if (refusal) {
@@ -165,7 +168,7 @@ export class MeasureList {
     const title = endTitle(own?.kind ?? 'path', end, count);
     const hint = own && mover.refusal(own) || mover.hint;
     return h('button', {type: 'button', 'data-testid': `${this.testid_}-end-${end}`,
-      'aria-label': `${title} of measurement ${name}. ${hint}`, title: hint,
+      'aria-label': say`${title} of measurement ${name}. ${hint}`, title: hint,
       onfocus: () => {
         const measure = measures.named(name);
         if (measure) {

@@ -1,4 +1,5 @@
 // Lengths, angles and statistics of measurements.
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {import('./measures.js').Values} Values */
@@ -22,7 +23,7 @@ export function angleOf([a, vertex, b]) {
   const [u, v] = [from(a), from(b)];
   const lengths = Math.hypot(...u) * Math.hypot(...v);
   if (lengths === 0) {
-    throw new Error('Two points of the angle are the same. Click three different points.');
+    throw new Error(say`Two points of the angle are the same. Click three different points.`);
   }
   // By sine and cosine: the cosine alone is inexact near 0 and 180 degrees.
   const cross = Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2],
@@ -38,7 +39,7 @@ export function angleOf([a, vertex, b]) {
  */
 export function valuesOf(values) {
   if (values.length === 0) {
-    throw new Error('The region contains no voxel center. Draw a larger region.');
+    throw new Error(say`The region contains no voxel center. Draw a larger region.`);
   }
   const mean = values.reduce((sum, value) => sum + value, 0) / values.length;
   const squares = values.reduce((sum, value) => sum + (value - mean) ** 2, 0);

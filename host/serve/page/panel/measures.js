@@ -1,6 +1,8 @@
 // The measurements of the user, which panels and slices add, show and remove.
 import {grouped, significant} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 import {angleOf, lengthOf} from './measure_math.js';
+import {addTitle} from './measure_words.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
 /** @typedef {'distance' | 'angle' | 'path' | 'ellipse' | 'rectangle' | 'part' | 'note'} Kind */
@@ -47,14 +49,13 @@ const MOST_CHANGES = 500;   // That undo takes back, as of the scene.
 /** How many points end a measurement; a path ends when the user says so. */
 export const POINTS = {distance: 2, angle: 3, path: Infinity, ellipse: 2, rectangle: 2, part: 1,
   note: 1};
-const ORDINALS = ['first', 'second', 'third'];
 
 /** @type {Record<Kind, string>} */
-export const KIND_TITLES = {distance: 'Distance', angle: 'Angle', path: 'Path',
-  ellipse: 'Ellipse', rectangle: 'Rectangle', part: 'Part', note: 'Note'};
+export const KIND_TITLES = {distance: say`Distance`, angle: say`Angle`, path: say`Path`,
+  ellipse: say`Ellipse`, rectangle: say`Rectangle`, part: say`Part`, note: say`Note`};
 
 /** Why the page refuses to move the place of a part. */
-export const PART_STAYS = 'The place of a part stays. Measure another part by a click on it.';
+export const PART_STAYS = say`The place of a part stays. Measure another part by a click on it.`;
 
 /**
  * Whether values of voxels belong to this kind.
@@ -102,9 +103,10 @@ export class Points {
 
   /** "Click the second point.", "12.3 mm so far."; empty without points. */
   get sentence() {
-    return this.list.length === 0 ? ''
-      : this.kind === 'path' ? `${measureText({kind: 'path', value: lengthOf(this.list)})} so far.`
-        : `Click the ${ORDINALS[this.list.length]} point.`;
+    const {kind, list} = this;
+    return list.length === 0 ? ''
+      : kind === 'path' ? say`${measureText({kind, value: lengthOf(list)})} so far.`
+        : list.length === 1 ? say`Click the second point.` : say`Click the third point.`;
   }
 }
 
@@ -181,24 +183,24 @@ export class Measures {
    */
   add(measure) {
     if (this.list.length >= MOST_MEASURES) {
-      return `There are ${MOST_MEASURES} measurements, which is the limit. Delete one first.`;
+      return say`There are ${MOST_MEASURES} measurements, which is the limit. Delete one first.`;
     }
     do {
       ++this.count_;
     } while (this.named(String(this.count_)));
     const name = String(this.count_);
-    this.change_(`add ${measure.kind} ${name}`, [...this.list, {name, ...measure, ...this.time}]);
+    this.change_(addTitle(measure.kind, name), [...this.list, {name, ...measure, ...this.time}]);
     return '';
   }
 
   /** @param {string} name */
   remove(name) {
-    this.change_(`delete measurement ${name}`, this.list.filter(each => each.name !== name));
+    this.change_(say`delete measurement ${name}`, this.list.filter(each => each.name !== name));
   }
 
   /** Removes all; undo() brings them back. */
   removeAll() {
-    this.change_('delete all measurements', []);
+    this.change_(say`delete all measurements`, []);
   }
 
   /**
@@ -212,12 +214,12 @@ export class Measures {
       return '';
     }
     if (next === '' || this.named(next)) {
-      return next === '' ? `Measurement ${name}: the name is empty. Type a name.`
-        : `There is already a measurement ${next}. Choose another name for ${name}.`;
+      return next === '' ? say`Measurement ${name}: the name is empty. Type a name.`
+        : say`There is already a measurement ${next}. Choose another name for ${name}.`;
     }
     const list = this.list.map(each => each.name === name ? {...each, name: next} : each);
     this.chosen = this.chosen === name ? next : this.chosen;
-    this.change_(`rename measurement ${name} to ${next}`, list);
+    this.change_(say`rename measurement ${name} to ${next}`, list);
     return '';
   }
 
@@ -229,7 +231,7 @@ export class Measures {
   write(name, wanted) {
     const text = wanted.trim().slice(0, MOST_NOTE);
     if (text !== '' && text !== this.named(name)?.text) {
-      this.change_(`change note ${name}`,
+      this.change_(say`change note ${name}`,
         this.list.map(each => each.name === name ? {...each, text} : each));
     }
   }
@@ -240,7 +242,7 @@ export class Measures {
    * @param {Partial<Measure>} changed
    */
   drag(name, changed) {
-    this.held_ ??= {list: this.list, title: `move an end of measurement ${name}`};
+    this.held_ ??= {list: this.list, title: say`move an end of measurement ${name}`};
     this.set_(this.list.map(each => each.name === name ? {...each, ...changed} : each));
   }
 
@@ -355,15 +357,16 @@ export function labelText(measure) {
  */
 export function endTitle(kind, index, count) {
   if (isRegion(kind)) {
-    return `Corner ${index + 1}`;
+    return say`Corner ${index + 1}`;
   }
   if (kind === 'note' || kind === 'part') {
-    return 'Place';
+    return say`Place`;
   }
   if (kind === 'angle' && index === 1) {
-    return 'Vertex';
+    return say`Vertex`;
   }
-  return index === 0 ? 'First end' : index === count - 1 ? 'Last end' : `Point ${index + 1}`;
+  return index === 0 ? say`First end`
+    : index === count - 1 ? say`Last end` : say`Point ${index + 1}`;
 }
 
 /** @param {Pick<Measure, 'kind' | 'value' | 'text'>} measure */

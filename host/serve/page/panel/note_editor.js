@@ -1,5 +1,6 @@
 // A field over a slice or the picture, in which the text of a note is written.
 import {h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {MOST_NOTE} from './measures.js';
 
 /**
@@ -20,7 +21,7 @@ export function editNote(beside, [x, y], text, done) {
     }
   };
   const field = h('input', {type: 'text', class: 'note-editor', value: text, maxlength: MOST_NOTE,
-    'aria-label': 'Text of the note', 'data-testid': 'note-editor',
+    'aria-label': say`Text of the note`, 'data-testid': 'note-editor',
     onblur: () => end(field.value),
     onpointerdown: (/** @type {Event} */ event) => event.stopPropagation(),
     onkeydown: (/** @type {KeyboardEvent} */ event) => {

@@ -1,5 +1,6 @@
 // Common parts of the panels: introduction, message line, choices, fields, mode buttons.
 import {h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 
 /**
  * One line that describes a panel.
@@ -126,6 +127,6 @@ const MOST_SHOWN = 60;      // Letters of a wrong value in an error.
  * @param {unknown} value
  */
 export function shown(value) {
-  const text = JSON.stringify(value) ?? 'missing';
+  const text = JSON.stringify(value) ?? say`missing`;
   return text.length > MOST_SHOWN ? `${text.slice(0, MOST_SHOWN)}…` : text;
 }

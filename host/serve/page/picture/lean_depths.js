@@ -1,5 +1,6 @@
 // The depths of a picture as the server sends them: host/serve/depths/lean_packing.hpp.
 import {inflate} from '../link/inflate.js';
+import {say} from '../texts/say.js';
 
 export const CELL_PX = 4;    // Width and height of a cell.
 export const MAX_LEAN = 4095;
@@ -54,9 +55,9 @@ export async function unpack(packed, width, height) {
   const cells = setBits(bytes.subarray(seamsAt, seamsAt + cellBytes));
   const end = seamsAt + cellBytes + SEAM_BYTES * cells.length;
   if (bytes.length !== end) {
-    throw new Error(`depths: ${bytes.length} bytes, but a picture of ${width} x ${height} pixels `
-      + `with ${cells.length} seams has ${end}. Load the page again; it may be older than the `
-      + 'server.');
+    throw new Error(say`depths: ${bytes.length} bytes, but a picture of ${width} x ${height} pixels
+      with ${cells.length} seams has ${end}. Load the page again; it may be older than the
+      server.`);
   }
   const mask = bytes.slice(0, maskBytes);
   for (let above = 0, at = maskRowBytes(width); at < maskBytes; ++above, ++at) {

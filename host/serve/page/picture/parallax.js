@@ -1,6 +1,7 @@
 // Looking around: the pointer over the picture, or a phone's orientation, turns the view that is on
 // the screen by a few degrees. The view of the scene stays the same.
 import {prefersReducedMotion} from '../elements/canvas.js';
+import {say} from '../texts/say.js';
 import {anglesOf, rotationOf, turn} from './arcball.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
@@ -12,10 +13,10 @@ const MOST = {right: 7, up: 5};
 const HALFWAY_MS = 70;      // After this time half of the way is done.
 const THERE_DEG = 0.02;     // Nearer is there.
 const DEGREE = Math.PI / 180;
-const NEEDS_HTTPS = 'Browsers report the orientation of a phone only to pages of https:// or '
-  + 'localhost. Give pxpl5 serve a certificate: --tls-cert and --tls-key.';
-const DENIED = 'The browser did not let this page read the orientation of the device. Allow '
-  + '"motion and orientation" for this page in the settings of the browser.';
+const NEEDS_HTTPS = say`Browsers report the orientation of a phone only to pages of https:// or
+  localhost. Give pxpl5 serve a certificate: --tls-cert and --tls-key.`;
+const DENIED = say`The browser did not let this page read the orientation of the device. Allow
+  "motion and orientation" for this page in the settings of the browser.`;
 
 /**
  * The axes of a device, from the angles of a `deviceorientation` event.

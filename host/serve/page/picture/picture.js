@@ -1,5 +1,6 @@
 // The picture: frames on a canvas, and the layer over the frames.
 import {byId, update} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {bitmapOf, paintFrame} from './bitmaps.js';
 import {cameraAt} from './camera.js';
 import {Cameras} from './cameras.js';
@@ -286,7 +287,7 @@ export class PictureView {
       } catch (error) {
         // The next frame may be intact, so the loop continues.
         const why = error instanceof Error ? error.message : String(error);
-        this.tell_(`A picture could not be shown: ${why}`);
+        this.tell_(say`A picture could not be shown: ${why}`);
       } finally {
         frame.shown();
       }

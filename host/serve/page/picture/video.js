@@ -1,4 +1,5 @@
 // Decodes moving pictures that arrive as video.
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../link/connection.js').Frame} Frame */
 
@@ -97,7 +98,7 @@ export class Video {
       const timestamp = this.frames_++;
       const patience = setTimeout(() => {
         if (this.waiting_.has(timestamp)) {
-          this.failed_(`no picture within ${PATIENCE_MS} ms`);
+          this.failed_(say`no picture within ${PATIENCE_MS} ms`);
         }
       }, PATIENCE_MS);
       this.waiting_.set(timestamp, picture => {
@@ -150,9 +151,9 @@ export class Video {
     this.close_();
     if (this.failuresInARow_ >= MOST_FAILURES && !this.isRefused_) {
       this.isRefused_ = true;
-      this.tell_('The browser cannot decode the video of moving pictures: '
-        + `${error instanceof Error ? error.message : error}. They are sent as JPEG instead, which `
-        + 'needs a faster link.');
+      this.tell_(say`The browser cannot decode the video of moving pictures:
+        ${error instanceof Error ? error.message : String(error)}. They are sent as JPEG instead,
+        which needs a faster link.`);
     }
     void this.ask_();
   }

@@ -1,5 +1,6 @@
 // Shows the newest picture from the newest viewpoint until the next picture arrives.
 import {byId} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {opacitiesOf} from './bitmaps.js';
 import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
 import {sizeOf} from './compose.js';
@@ -92,7 +93,7 @@ export class Warp {
     /** @private The arguments of the last drawing. */
     this.drawn_ = {passes: /** @type {Pass[]} */ ([]), magnification: 1};
     /** The reason why nothing can be warped; '' if something can. */
-    this.refusal = canUnpack() ? '' : 'the browser cannot decode depths (deflate-raw)';
+    this.refusal = canUnpack() ? '' : say`the browser cannot decode depths (deflate-raw)`;
     /** @private @type {(() => void)[]} */
     this.switched_ = [];
     /** @private */
@@ -121,8 +122,8 @@ export class Warp {
     this.canvas_.addEventListener('webglcontextlost', event => {
       event.preventDefault();  // Else the browser does not give it back.
       this.painter_ = null;
-      this.refuse_('the browser has taken WebGL back. It may return it; if not, load the page '
-        + 'again');
+      this.refuse_(say`the browser has taken WebGL back. It may return it; if not, load the page
+        again`);
     });
     this.canvas_.addEventListener('webglcontextrestored', () => {
       this.refusal = '';
@@ -159,7 +160,7 @@ export class Warp {
     try {
       return await Promise.all(depths.map(each => unpack(each, header.width, header.height)));
     } catch (error) {  // The picture itself is shown all the same.
-      this.refuse_(`depths cannot be read: ${error instanceof Error ? error.message : error}`);
+      this.refuse_(say`depths cannot be read: ${/** @type {Error} */ (error).message}`);
       return null;
     }
   }
@@ -229,7 +230,7 @@ export class Warp {
       return true;
     } catch (error) {  // The canvas below shows the picture.
       this.source_ = null;
-      this.refusal = `WebGL did not take a picture: ${error}`;
+      this.refusal = say`WebGL did not take a picture: ${String(error)}`;
       return false;
     } finally {
       this.drop_();
@@ -337,8 +338,7 @@ export class Warp {
     const {wanted} = this.viewpoint_, state = this.store_.state;
     const isAhead = Boolean(wanted && shown && !isSameView(wanted, shown));
     const base = isAhead ? wanted : shown, view = base && this.parallax.turned(base);
-    const isAway = Boolean(source && painter && state && view && shown
-      && !isSameView(view, shown));
+    const isAway = Boolean(source && painter && state && view && shown && !isSameView(view, shown));
     const isDrawn = (isAway || Boolean(source && !source.isBelow)) && this.upload_();
     const isWarped = isAway && isDrawn;
     this.figures.ready = this.source_ !== null;

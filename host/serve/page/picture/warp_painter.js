@@ -1,4 +1,5 @@
 // Draws a picture from another viewpoint with WebGL 2, by the depths at the corners of cells.
+import {say} from '../texts/say.js';
 import {Anaglyph} from './anaglyph.js';
 import {sizeOf} from './compose.js';
 import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
@@ -56,10 +57,9 @@ export class WarpPainter {
     const gl = /** @type {WebGL2RenderingContext | null} */ (canvas.getContext('webgl2',
       {alpha: false, antialias: false, stencil: false, xrCompatible}));
     if (!gl) {
-      throw new Error('the browser has no WebGL 2');
+      throw new Error(say`the browser has no WebGL 2`);
     }
-    /** @private */
-    this.canvas_ = canvas;
+    /** @private */ this.canvas_ = canvas;
     /** The context that everything is drawn with. */
     this.gl = gl;
     /** Most width and height of a bitmap for take(). */

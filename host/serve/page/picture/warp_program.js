@@ -1,4 +1,5 @@
 // The programs that draw a picture from another viewpoint.
+import {say} from '../texts/say.js';
 import {CELL_PX, MAX_LEAN} from './lean_depths.js';
 import {SEAM_COLUMNS} from './warp_mesh.js';
 import {HATCH, ROWS} from './warp_walls.js';
@@ -138,8 +139,8 @@ export function programOf(gl, vertex, fragment) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
     const logs = (gl.getAttachedShaders(program) ?? []).map(each => gl.getShaderInfoLog(each));
-    throw new Error(`the browser refuses the shaders: ${logs.join(' ')} `
-      + `${gl.getProgramInfoLog(program)}`);
+    throw new Error(say`the browser refuses the shaders: ${logs.join(' ')}
+      ${gl.getProgramInfoLog(program) ?? ''}`);
   }
   /** @type {Record<string, WebGLUniformLocation | null>} */
   const places = {};

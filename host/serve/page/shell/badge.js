@@ -2,6 +2,7 @@
 import {byId, h, setText, update} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
 import {composedSize, partsOf} from '../picture/stereo.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
@@ -10,19 +11,19 @@ const RATE_OVER_MS = 2000;
 const SETTLE_MS = 200;        // Delay from resizing the panel to resizing the picture.
 const MOST_AUTO_PX = 1280 * 1024;
 const STEP_PX = 2;            // Sizes are even.
-const WARPED_TITLE = 'The newest picture, shown from the newest viewpoint by its depths until the '
-  + 'next picture arrives. Hatched parts are not known: the picture has not seen them.';
+const WARPED_TITLE = say`The newest picture, shown from the newest viewpoint by its depths until
+  the next picture arrives. Hatched parts are not known: the picture has not seen them.`;
 const SIZES = ['256x256', '512x512', '768x768', '1024x1024', '1280x1024', '1920x1080'];
 
 /** @param {App} app */
 export function createBadge(app) {
   const root = byId('badge');
   const quality = h('span', {class: 'quality', 'data-testid': 'badge-quality'});
-  const digest = h('code', {'data-testid': 'badge-digest', title: 'Digest of the pixels, as '
-    + 'printed by the command digest. It is the same on every machine.'});
+  const digest = h('code', {'data-testid': 'badge-digest', title: say`Digest of the pixels,
+    as printed by the command digest. It is the same on every machine.`});
   const speed = h('span', {class: 'number', 'data-testid': 'badge-speed'});
   const size = h('span', {class: 'number', 'data-testid': 'badge-size'});
-  const label = h('span', {class: 'small', title: digest.title, hidden: true}, 'digest');
+  const label = h('span', {class: 'small', title: digest.title, hidden: true}, say`digest`);
   root.append(quality, label, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
   /** @type {number[]} */
   let times = [];
@@ -32,12 +33,12 @@ export function createBadge(app) {
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     showQuality();
     setText(speed, `${grouped(header.machine_ms)} ms`
-      + (rate > 0 && !header.rests ? ` · ${grouped(rate)} frames/s` : ''));
-    speed.title = 'Time to render this frame, and displayed frames per second';
+      + (rate > 0 && !header.rests ? ` · ${say`${grouped(rate)} frames/s`}` : ''));
+    speed.title = say`Time to render this frame, and displayed frames per second`;
     const eye = [header.width, header.height];
     setText(size, (header.views === 1 ? eye
       : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × '));
-    size.title = 'Size of this frame in pixels. Frames may be smaller during interaction.';
+    size.title = say`Size of this frame in pixels. Frames may be smaller during interaction.`;
   });
   const showQuality = () => {
     const {header, warp} = app.picture;
@@ -61,36 +62,39 @@ export function createBadge(app) {
 
 /** @param {FrameHeader} header */
 function warpedText({moved_mm, ...codec}) {
-  return moved_mm > 0 ? `warped, simplified within ${millimeters(moved_mm)} mm`
-    : codec.kind === 'png' ? 'warped' : `warped, ${codecText(codec)}`;
+  return moved_mm > 0 ? say`warped, simplified within ${millimeters(moved_mm)} mm`
+    : codec.kind === 'png' ? say`warped` : say`warped, ${codecText(codec)}`;
 }
 
 /** @param {FrameHeader} header */
 function qualityText({kind, quality, samples, moved_mm, fullColor}) {
-  const within = `simplified within ${millimeters(moved_mm)} mm`;
   if (moved_mm > 0) {
-    return kind === 'png' ? within : `moving, ${within}`;
+    return kind === 'png' ? say`simplified within ${millimeters(moved_mm)} mm`
+      : say`moving, simplified within ${millimeters(moved_mm)} mm`;
   }
-  return kind === 'png' ? `lossless${samples > 1 ? `, ${samples} samples` : ''}`
-    : `moving, ${codecText({kind, quality, fullColor})}`;
+  return kind !== 'png' ? say`moving, ${codecText({kind, quality, fullColor})}`
+    : samples > 1 ? say`lossless, ${samples} samples` : say`lossless`;
 }
 
 /** @param {Pick<FrameHeader, 'kind' | 'quality' | 'fullColor'>} header */
 function codecText({kind, quality, fullColor}) {
-  return kind === 'vp8' ? 'VP8 video' : `JPEG ${quality}${fullColor ? ', full color' : ''}`;
+  return kind === 'vp8' ? say`VP8 video`
+    : fullColor ? say`JPEG ${quality}, full color` : `JPEG ${quality}`;
 }
 
 /** @param {FrameHeader} header */
 function qualityTitle({kind, quality, samples, moved_mm, fullColor}) {
   const codec = {
-    png: 'Every pixel is exactly as rendered'
-      + (samples > 1 ? `, averaged over ${samples} samples` : ''),
-    jpeg: `Compressed during interaction (quality ${quality} of 100, `
-      + `${fullColor ? 'with all colors' : '2 x 2 pixels share a color'}), lossless at rest`,
-    vp8: 'Compressed as a video during interaction, because the link is slow. Lossless at rest',
-  };
-  return codec[kind] + (moved_mm > 0 ? '. Surfaces have fewer triangles; no point is farther from '
-    + 'the exact surface. Small parts may be missing. The command detail sets this.' : '');
+    png: samples > 1 ? say`Every pixel is exactly as rendered, averaged over ${samples} samples`
+      : say`Every pixel is exactly as rendered`,
+    jpeg: fullColor ? say`Compressed during interaction (quality ${quality} of 100, with all
+        colors), lossless at rest`
+      : say`Compressed during interaction (quality ${quality} of 100, 2 x 2 pixels share a
+        color), lossless at rest`,
+    vp8: say`Compressed as a video during interaction, because the link is slow. Lossless at rest`,
+  }[kind];
+  return moved_mm > 0 ? say`${codec}. Surfaces have fewer triangles; no point is farther from the
+    exact surface. Small parts may be missing. The command detail sets this.` : codec;
 }
 
 /**
@@ -106,9 +110,9 @@ function millimeters(mm) {
  * @param {App} app
  */
 function sizeMenu(app) {
-  const menu = h('select', {'aria-label': 'Picture size', 'data-testid': 'size-menu',
-    title: 'Picture size in pixels', class: 'small'},
-    h('option', {value: ''}, 'fit to panel'), ...SIZES.map(each => h('option', {value: each},
+  const menu = h('select', {'aria-label': say`Picture size`, 'data-testid': 'size-menu',
+    title: say`Picture size in pixels`, class: 'small'},
+    h('option', {value: ''}, say`fit to panel`), ...SIZES.map(each => h('option', {value: each},
       each.replace('x', ' × '))));
   let timer = 0;
   // The size that this page has requested and has not seen in a state yet.

@@ -2,6 +2,7 @@
 import {byId, h, setText, update} from '../elements/dom.js';
 import {icon, setIcon} from '../elements/icons.js';
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
@@ -33,10 +34,10 @@ class Cine {
       /** @type {string} */ title, /** @type {() => void} */ act) => h('button', {class: 'icon',
       title, 'aria-label': title, 'data-testid': `cine-${name}`, onclick: act}, icon(name));
     /** @private */
-    this.play_ = button('play', 'Play', () => this.playing_ ? this.pause() : void this.play());
+    this.play_ = button('play', say`Play`, () => this.playing_ ? this.pause() : void this.play());
     /** @private */
     this.slider_ = h('input', {type: 'range', min: 1, max: 1, step: 1,
-      'aria-label': 'Volume of the time series', 'data-testid': 'cine-slider',
+      'aria-label': say`Volume of the time series`, 'data-testid': 'cine-slider',
       onpointerdown: () => { this.isHeld_ = true; },
       onpointerup: () => { this.isHeld_ = false; },
       onpointercancel: () => { this.isHeld_ = false; },
@@ -46,15 +47,15 @@ class Cine {
     /** @private */
     this.when_ = h('span', {class: 'number when', 'data-testid': 'cine-when'});
     /** @private */
-    this.rate_ = h('select', {class: 'small', 'aria-label': 'Speed', 'data-testid': 'cine-rate',
-      title: 'Volumes per second, at most'});
+    this.rate_ = h('select', {class: 'small', 'aria-label': say`Speed`, 'data-testid': 'cine-rate',
+      title: say`Volumes per second, at most`});
     /** @private */
     this.loops_ = h('input', {type: 'checkbox', checked: true, 'data-testid': 'cine-loop'});
     /** @private  What a page needs that may not change anything. */
-    this.controls_ = [button('back', 'One volume back', () => this.step(this.wanted_ - 1)),
-      this.play_, button('on', 'One volume on', () => this.step(this.wanted_ + 1))];
+    this.controls_ = [button('back', say`One volume back`, () => this.step(this.wanted_ - 1)),
+      this.play_, button('on', say`One volume on`, () => this.step(this.wanted_ + 1))];
     byId('cine').append(h('div', {class: 'pair'}, ...this.controls_), this.slider_, this.number_,
-      this.when_, this.rate_, h('label', {class: 'small'}, this.loops_, ' loop'));
+      this.when_, this.rate_, h('label', {class: 'small'}, this.loops_, ` ${say`loop`}`));
     app.store.subscribe(['volume'], ({volume}) => this.take(volume));
     app.picture.onShown(() => this.waiting_?.());
     app.connection.on('frame', ({header}) => {
@@ -101,8 +102,8 @@ class Cine {
     }
     setText(this.number_, `${volume.frame} / ${volume.frames}`);
     const when = frames > 1 && volume.time_ms >= 0 ? `${grouped(volume.time_ms)} ms` : '';
-    update(this.slider_, {'aria-valuetext':
-      `${volume.frame} of ${volume.frames}${when && `, at ${when}`}`});
+    update(this.slider_, {'aria-valuetext': when
+      ? say`${volume.frame} of ${frames}, at ${when}` : say`${volume.frame} of ${frames}`});
     setText(this.when_, this.playing_ ? this.speedText_() : when);
   }
 
@@ -113,9 +114,9 @@ class Cine {
   offerRates_({frame_ms}) {
     const isReal = frame_ms > 0 && frame_ms <= REAL_TIME_MS;
     this.rate_.replaceChildren(
-      isReal ? h('option', {value: REAL_TIME}, `real time (${grouped(1000 / frame_ms)}/s)`) : '',
+      isReal ? h('option', {value: REAL_TIME}, say`real time (${grouped(1000 / frame_ms)}/s)`) : '',
       ...RATES.map(rate => h('option', {value: rate}, `${rate}/s`)),
-      h('option', {value: FASTEST}, 'fastest'));
+      h('option', {value: FASTEST}, say`fastest`));
     this.rate_.value = isReal ? REAL_TIME : String(USUAL_RATE);
   }
 
@@ -165,8 +166,8 @@ class Cine {
   /** @private */
   look_() {
     setIcon(this.play_, this.playing_ ? 'pause' : 'play');
-    update(this.play_, {title: this.playing_ ? 'Pause' : 'Play',
-      'aria-label': this.playing_ ? 'Pause' : 'Play'});
+    const title = this.playing_ ? say`Pause` : say`Play`;
+    update(this.play_, {title, 'aria-label': title});
     this.take(this.volume_);
   }
 

@@ -1,6 +1,7 @@
 // Separators between the picture and the sides: pointer, arrow keys, and a double click.
 import {remPx} from '../elements/canvas.js';
 import {byId, h, update} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
@@ -19,9 +20,9 @@ const MOST_SHARE = {left: 0.4, right: 0.45, sheet: 0.75};  // Of the window.
 
 /** @type {What[]} */
 const ROWS = [
-  {edge: 'left', title: 'Width of the left side', controls: 'left', least: 17, way: 1},
-  {edge: 'right', title: 'Width of the right side', controls: 'right', least: 17, way: -1},
-  {edge: 'sheet', title: 'Height of the sides', controls: 'sides', least: 8, way: -1},
+  {edge: 'left', title: say`Width of the left side`, controls: 'left', least: 17, way: 1},
+  {edge: 'right', title: say`Width of the right side`, controls: 'right', least: 17, way: -1},
+  {edge: 'sheet', title: say`Height of the sides`, controls: 'sides', least: 8, way: -1},
 ];
 
 /** @param {App} app */
@@ -55,7 +56,7 @@ function makeEdge(app, {edge, title, controls, least, way}) {
   const line = h('div', {id: `edge-${edge}`, class: 'edge', role: 'separator', tabindex: 0,
     'aria-label': title, 'aria-controls': controls, 'data-testid': `edge-${edge}`,
     'aria-orientation': isSheet ? 'horizontal' : 'vertical',
-    title: `${title}: drag, or use the arrow keys. A double click resets it.`});
+    title: say`${title}: drag, or use the arrow keys. A double click resets it.`});
   byId('middle').after(line);
   const most = () => MOST_SHARE[edge] * (isSheet ? innerHeight : innerWidth) / remPx();
   const size = () => {
@@ -72,7 +73,7 @@ function makeEdge(app, {edge, title, controls, least, way}) {
       update(line, {'aria-valuemin': Math.round(least * remPx()),
         'aria-valuemax': Math.round(most() * remPx()),
         'aria-valuenow': Math.round(size() * remPx()),
-        'aria-valuetext': `${Math.round(size() * remPx())} pixels`});
+        'aria-valuetext': say`${Math.round(size() * remPx())} pixels`});
     }
   };
   app.layout.watch(tell);

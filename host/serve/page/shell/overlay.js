@@ -3,6 +3,7 @@ import {remPx} from '../elements/canvas.js';
 import {byId, h, s, setText, update} from '../elements/dom.js';
 import {placeWarning} from '../panel/volume_words.js';
 import {lettersTowards, roundLength, SIDES, toEye} from '../picture/projection.js';
+import {say} from '../texts/say.js';
 import {moveToMenu} from './view_tools.js';
 
 /** @typedef {import('../link/types.js').Triple} Triple */
@@ -11,8 +12,17 @@ const MARGIN_REM = 1.2;     // From the edge of the picture to a letter.
 const BAR_SHARE = 0.25;     // Maximum length, as a share of the picture's width.
 const CROSS_PX = 9;
 const CUBE_HALF = 21;
-const CUT = 'The picture is larger than its panel. A picture of alternate rows is never scaled, so '
-  + 'its edges are hidden. Choose a smaller size, or "fit to panel", below.';
+const CUT = say`The picture is larger than its panel. A picture of alternate rows is never scaled,
+  so its edges are hidden. Choose a smaller size, or "fit to panel", below.`;
+/** @type {Record<string, string>}  What chooses a named view. */
+const SHOW = {
+  anterior: say`Show the anterior view`,
+  posterior: say`Show the posterior view`,
+  left: say`Show the left view`,
+  right: say`Show the right view`,
+  superior: say`Show the superior view`,
+  inferior: say`Show the inferior view`,
+};
 const EDGES = /** @type {{at: [number, number], anchor: string, on: [number, number]}[]} */ ([
   {at: [0, 0.5], anchor: 'start', on: [-1, 0]},
   {at: [1, 0.5], anchor: 'end', on: [1, 0]},
@@ -159,19 +169,19 @@ function drawBar(bar, text, mmPerPlace, {x, y, width}) {
 function createCube(app, viewpoint) {
   const faces = SIDES.map(({letter, view, towards}) => {
     const shape = s('polygon'), text = s('text', {'text-anchor': 'middle', dy: '0.36em'}, letter);
-    const group = s('g', {class: 'face', role: 'button', 'aria-label': `Show the ${view} view`,
+    const group = s('g', {class: 'face', role: 'button', 'aria-label': SHOW[view],
       'data-testid': `cube-${letter}`, onclick: () => viewpoint.named(view)},
-      shape, text, s('title', {}, `Show the ${view} view`));
+      shape, text, s('title', {}, SHOW[view]));
     return {group, shape, text, towards};
   });
   const drawing = s('svg', {id: 'cube', viewBox: '-40 -40 80 80', role: 'group',
-    'aria-label': 'Orientation'}, ...faces.map(({group}) => group));
+    'aria-label': say`Orientation`}, ...faces.map(({group}) => group));
   const buttons = SIDES.map(({letter, view}, index) => h('button', {class: 'quiet',
-    title: `Show the ${view} view (key ${index + 1})`, 'aria-label': `Show the ${view} view`,
+    title: say`${SHOW[view]} (key ${index + 1})`, 'aria-label': SHOW[view],
     'data-testid': `view-${view}`, onclick: () => viewpoint.named(view)}, letter));
   const views = h('div', {id: 'views', class: 'drives'}, ...buttons);
   byId('corner').append(drawing);
-  moveToMenu('narrow', 'View', views, () => byId('corner').append(views));
+  moveToMenu('narrow', say`View`, views, () => byId('corner').append(views));
   app.store.subscribe(['volume', 'archive'], state => {
     views.hidden = byId('corner').hidden = !state.volume && !state.archive;
   });

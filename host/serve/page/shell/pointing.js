@@ -1,6 +1,7 @@
 // A click on the picture: passes it to the current mode, or moves the crosshair of all views.
 import {byId, h} from '../elements/dom.js';
 import {grouped, short} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {{surface: string}} Hit */
@@ -62,12 +63,12 @@ async function point(app, {x, y}, words) {
   const hits = reply.result.hits;
   const chosen = hits.findIndex(hit => hit.surface === surface);
   const others = hits.filter(hit => hit.surface !== surface).map(hit =>
-    `${hits.indexOf(hit) < chosen ? 'in front' : 'behind'}: ${hit.surface}`);
+    hits.indexOf(hit) < chosen ? say`in front: ${hit.surface}` : say`behind: ${hit.surface}`);
   const unit = app.store.state?.volume?.unit ?? '';
   words.replaceChildren(h('strong', {}, surface),
-    ` isovalue ${short(isovalue, 3)}${unit && ` ${unit}`}`,
-    value === undefined ? '' : `, nearest voxel ${short(value, 3)}`,
-    h('span', {class: 'muted'}, ` at ${sides(p_mm)}`),
+    ` ${say`isovalue ${`${short(isovalue, 3)}${unit && ` ${unit}`}`}`}`,
+    value === undefined ? '' : `, ${say`nearest voxel ${short(value, 3)}`}`,
+    h('span', {class: 'muted'}, ` ${say`at ${sides(p_mm)}`}`),
     ...others.map(other => h('span', {class: 'muted'}, ` · ${other}`)));
   words.hidden = false;
   document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: 'picture'}}));

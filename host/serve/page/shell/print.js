@@ -3,21 +3,22 @@ import {byId, h} from '../elements/dom.js';
 import {percent, short} from '../elements/numbers.js';
 import {KIND_TITLES, measureText} from '../panel/measures.js';
 import {partText, slabNote, valuesText} from '../panel/measure_words.js';
+import {say} from '../texts/say.js';
 
 /** @param {import('../panel/app.js').App} app */
 export function createPrint(app) {
   const surfaces = h('ul', {'data-testid': 'print-surfaces'});
   const measures = h('ol', {'data-testid': 'print-measures'});
-  const title = h('h2', {}, 'Measurements');
-  byId('print').append(h('h2', {}, 'Surfaces'), surfaces, title, measures);
+  const title = h('h2', {}, say`Measurements`);
+  byId('print').append(h('h2', {}, say`Surfaces`), surfaces, title, measures);
   const unit = () => app.store.state?.volume?.unit ?? '';
   app.store.subscribe(['surfaces', 'volume'], state => {
     surfaces.replaceChildren(...state.surfaces.filter(({visible}) => visible).map(each => {
       const swatch = h('i', {class: 'swatch'});
       swatch.style.backgroundColor = each.color;
       return h('li', {class: 'row'}, swatch, h('b', {}, each.name),
-        `isovalue ${short(each.isovalue, 3)} ${unit()}`.trim(),
-        each.opacity < 1 && `, opacity ${percent(each.opacity)}`);
+        say`isovalue ${`${short(each.isovalue, 3)} ${unit()}`.trim()}`,
+        each.opacity < 1 && `, ${say`opacity ${percent(each.opacity)}`}`);
     }));
   });
   app.measures.watch(() => {

@@ -6,6 +6,7 @@ import {create as createInspector} from '../inspect/inspector.js';
 import {create as createMachine} from '../machine/machine_panel.js';
 import {create as createMeasure} from '../inspect/measure.js';
 import {create as createSlices} from '../slices/slices.js';
+import {say} from '../texts/say.js';
 import {create as createVolume} from '../volume/volume_report.js';
 import {Tips} from './tips.js';
 
@@ -29,17 +30,17 @@ const SINGLE = '(max-width: 699px) and (orientation: portrait)';
  * @type {Tab[]}
  */
 const TABS = [
-  {id: 'surfaces', title: 'Surfaces', glyph: 'surfaces',
-    help: 'Isovalues, clip planes, light and material'},
-  {id: 'slices', title: 'Slices', glyph: 'planes', help: 'Three slices of the scan',
+  {id: 'surfaces', title: say`Surfaces`, glyph: 'surfaces',
+    help: say`Isovalues, clip planes, light and material`},
+  {id: 'slices', title: say`Slices`, glyph: 'planes', help: say`Three slices of the scan`,
     create: createSlices},
-  {id: 'measure', title: 'Measure', glyph: 'ruler', help: 'Distances, angles, paths, regions',
+  {id: 'measure', title: say`Measure`, glyph: 'ruler', help: say`Distances, angles, paths, regions`,
     create: createMeasure},
-  {id: 'inspector', title: 'Inspector', glyph: 'lens', help: 'Explains the color of a pixel',
+  {id: 'inspector', title: say`Inspector`, glyph: 'lens', help: say`Explains the color of a pixel`,
     create: createInspector},
-  {id: 'machine', title: 'Machine', glyph: 'ring', help: 'Activity of the nodes',
+  {id: 'machine', title: say`Machine`, glyph: 'ring', help: say`Activity of the nodes`,
     create: createMachine},
-  {id: 'volume', title: 'Volume', glyph: 'report', help: 'Geometry, values and warnings',
+  {id: 'volume', title: say`Volume`, glyph: 'report', help: say`Geometry, values and warnings`,
     create: createVolume},
 ];
 const LEFT = 0, FIRST = 1;

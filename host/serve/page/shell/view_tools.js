@@ -3,20 +3,26 @@
 import {byId, h, update} from '../elements/dom.js';
 import {icon, setIcon} from '../elements/icons.js';
 import {choiceRow} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
+import {createLanguage} from './language.js';
 import {createTheme} from './theme.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
 const NARROW = '(max-width: 900px)', PHONE = '(max-width: 560px)';  // layouts.css, parts.css
 const LAYOUTS = /** @type {const} */ ([
-  {name: 'picture', title: 'Picture alone', help: 'Picture alone; slices in their panel (key 7)'},
-  {name: 'beside', title: 'Picture and three slices', help: 'Picture, three slices beside (key 8)'},
-  {name: 'four', title: 'Two by two', help: 'Picture and slices, two by two (key 9)'},
-  {name: 'slices', title: 'Slices alone', help: 'Slices alone (key 0)'},
+  {name: 'picture', title: say`Picture alone`,
+    help: say`Picture alone; slices in their panel (key 7)`},
+  {name: 'beside', title: say`Picture and three slices`,
+    help: say`Picture, three slices beside (key 8)`},
+  {name: 'four', title: say`Two by two`, help: say`Picture and slices, two by two (key 9)`},
+  {name: 'slices', title: say`Slices alone`, help: say`Slices alone (key 0)`},
 ]);
 const SIDES = /** @type {const} */ ([
-  {side: 'left', title: 'Surfaces', key: ','},
-  {side: 'right', title: 'Panels', key: '.'},
+  {side: 'left', title: say`Surfaces`, key: ',', hide: say`Hide the left side: surfaces (key ,)`,
+    show: say`Show the left side: surfaces (key ,)`},
+  {side: 'right', title: say`Panels`, key: '.', hide: say`Hide the right side: panels (key .)`,
+    show: say`Show the right side: panels (key .)`},
 ]);
 /** Keys of the layouts, in order. */
 export const LAYOUT_KEYS = new Map(LAYOUTS.map(({name}, index) => ['7890'[index], name]));
@@ -30,10 +36,10 @@ export const SIDE_KEYS = new Map(SIDES.map(({side, key}) => [key, side]));
 export function createViewTools(app) {
   const tools = h('div', {class: 'row view-tools'}, layoutChoice(app),
     h('div', {class: 'row pair'}, ...SIDES.map(each => sideButton(app, each))), fullButton());
-  const menu = h('div', {id: 'view-menu', role: 'group', 'aria-label': 'View', hidden: true},
-    createTheme());
-  const button = h('button', {class: 'icon', 'data-testid': 'view-menu', 'aria-label': 'View',
-    title: 'Theme; in narrow windows also layout, sides, full screen',
+  const menu = h('div', {id: 'view-menu', role: 'group', 'aria-label': say`View`, hidden: true},
+    createTheme(), createLanguage());
+  const button = h('button', {class: 'icon', 'data-testid': 'view-menu', 'aria-label': say`View`,
+    title: say`Theme and language; in narrow windows also layout, sides, full screen`,
     'aria-expanded': false, 'aria-controls': menu.id,
     onclick: () => open(menu.hidden !== false)}, icon('view'));
   const place = h('div', {class: 'view-place'}, tools, button, menu);
@@ -98,7 +104,7 @@ export function moveToMenu(when, title, what, back) {
 
 /** @param {App} app */
 function layoutChoice(app) {
-  const row = choiceRow('Layout', LAYOUTS.map(each => ({...each, glyph: icon(each.name)})),
+  const row = choiceRow(say`Layout`, LAYOUTS.map(each => ({...each, glyph: icon(each.name)})),
     name => app.layout.change({name}));
   app.layout.watch(({name}) => row.show(name));
   return row.element;
@@ -108,14 +114,13 @@ function layoutChoice(app) {
  * @param {App} app
  * @param {typeof SIDES[number]} what
  */
-function sideButton(app, {side, title, key}) {
+function sideButton(app, {side, title, hide, show}) {
   const button = h('button', {class: 'icon', 'aria-label': title, 'data-testid': `side-${side}`,
     'aria-controls': side, onclick: () => app.layout.toggle(side)}, icon(side));
   app.layout.watch(now => {
     const isOpen = now[side];
     byId(side).hidden = !isOpen;
-    update(button, {'aria-expanded': String(isOpen),
-      title: `${isOpen ? 'Hide' : 'Show'} the ${side} side: ${title.toLowerCase()} (key ${key})`});
+    update(button, {'aria-expanded': String(isOpen), title: isOpen ? hide : show});
   });
   return button;
 }
@@ -126,8 +131,8 @@ function fullButton() {
   const follow = () => {
     const isFull = document.fullscreenElement !== null;
     setIcon(button, isFull ? 'window' : 'full');
-    update(button, {'aria-pressed': String(isFull), 'aria-label': 'Full screen',
-      title: `${isFull ? 'Leave full screen' : 'Full screen'} (key F)`});
+    update(button, {'aria-pressed': String(isFull), 'aria-label': say`Full screen`,
+      title: isFull ? say`Leave full screen (key F)` : say`Full screen (key F)`});
   };
   document.addEventListener('fullscreenchange', follow);
   follow();

@@ -1,7 +1,8 @@
 // The progress of long work, the notice of a lost connection, and hints.
-import {byId, h} from '../elements/dom.js';
+import {byId, ENGLISH, h} from '../elements/dom.js';
 import {ofPort} from '../link/ports.js';
 import {address} from '../link/token.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').Hello} Hello */
@@ -16,19 +17,19 @@ const STALL_MS = 2500;          // A silence of this length is shown.
 const LOOK_MS = 500;
 const PING_MS = 2000;           // So that a silence is found while nothing is asked, too.
 const FORBIDDEN = 403;
-const RECONNECTING = 'Reconnecting. The session is kept as long as pxpl5 serve runs.';
-const OF_CLASS = 'Reconnecting. If your session has ended, the page of the class says why and '
-  + 'begins a new one.';
-const NEW_ADDRESS = 'The server was started again and has a new address. Open the address that '
-  + 'pxpl5 serve printed in its terminal. The former session has ended.';
+const RECONNECTING = say`Reconnecting. The session is kept as long as pxpl5 serve runs.`;
+const OF_CLASS = say`Reconnecting. If your session has ended, the page of the class says why and
+  begins a new one.`;
+const NEW_ADDRESS = say`The server was started again and has a new address. Open the address that
+  pxpl5 serve printed in its terminal. The former session has ended.`;
 
 /** @param {App} app */
 export function createWork(app) {
   const root = byId('work');
-  const what = h('p', {'data-testid': 'work-what'});
-  const bar = h('progress', {'aria-label': 'Progress'});
+  const what = h('p', {...ENGLISH, 'data-testid': 'work-what'});
+  const bar = h('progress', {'aria-label': say`Progress`});
   const cancel = h('button', {'data-testid': 'cancel',
-    onclick: () => app.connection.cancel()}, 'Cancel');
+    onclick: () => app.connection.cancel()}, say`Cancel`);
   root.append(what, bar, cancel);
   let timer = 0;
   app.connection.on('progress', (/** @type {Progress | null} */ progress) => {
@@ -70,8 +71,8 @@ export function createStall(app) {
     const isStalled = silent_ms >= STALL_MS && !app.store.state?.busy;
     root.hidden = !isStalled;
     if (isStalled) {
-      root.textContent = `No answer from the server for ${Math.round(silent_ms / 1000)} s. `
-        + 'The picture may be old.';
+      root.textContent = say`No answer from the server for ${Math.round(silent_ms / 1000)} s.
+        The picture may be old.`;
     }
   }, LOOK_MS);
 }
@@ -85,9 +86,11 @@ export function createEnding(app) {
   app.store.subscribe(['end'], ({end}) => {
     root.hidden = !end;
     if (end) {
-      const when = end.at ? `at ${new Date(end.at).toLocaleTimeString()}` : 'soon';
-      root.textContent = `This session ends ${when}: ${end.why}. `
-        + (end.open ? `It is saved. This command opens it again: ${end.open}` : '');
+      const ends = end.at
+        ? say`This session ends at ${new Date(end.at).toLocaleTimeString()}: ${end.why}.`
+        : say`This session ends soon: ${end.why}.`;
+      root.textContent = `${ends} ${end.open
+        ? say`It is saved. This command opens it again: ${end.open}` : ''}`;
     }
   });
 }
@@ -179,8 +182,8 @@ export function createHints(app) {
 
 /** @param {App} app */
 function leaveButton(app) {
-  return h('button', {class: 'quiet', 'data-testid': 'leave-mode', title: 'Leave the mode (Esc)',
-    onclick: () => app.modes.leave()}, 'Done');
+  return h('button', {class: 'quiet', 'data-testid': 'leave-mode', title: say`Leave the mode (Esc)`,
+    onclick: () => app.modes.leave()}, say`Done`);
 }
 
 /**
@@ -188,13 +191,13 @@ function leaveButton(app) {
  * @param {boolean} watches
  */
 function firstHint(isTouch, watches) {
-  const tour = h('span', {class: 'more'}, ' New here? ',
-    h('a', {href: '#tour=1', 'data-testid': 'hint-tour'}, 'Take the tour'));
+  const tour = h('span', {class: 'more'}, ` ${say`New here?`} `,
+    h('a', {href: '#tour=1', 'data-testid': 'hint-tour'}, say`Take the tour`));
   if (watches) {
-    return ['This page is view-only: it shows what another page does. Slices, machine and volume '
-      + 'work here.', tour];
+    return [say`This page is view-only: it shows what another page does. Slices, machine and
+      volume work here.`, tour];
   }
-  return isTouch ? ['One finger rotates the view. Two fingers move and zoom.', tour]
-    : ['Drag to rotate, scroll to zoom, right-drag to move.', h('span', {class: 'more'},
-      ' Drag a handle in the histogram to change a surface. Press ? for help.'), tour];
+  return isTouch ? [say`One finger rotates the view. Two fingers move and zoom.`, tour]
+    : [say`Drag to rotate, scroll to zoom, right-drag to move.`, h('span', {class: 'more'},
+      ` ${say`Drag a handle in the histogram to change a surface. Press ? for help.`}`), tour];
 }

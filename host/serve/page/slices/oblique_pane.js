@@ -1,5 +1,6 @@
 // A fourth slice: any plane through the crosshair, turned by two angles.
 import {h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {moved, normalOf, planeThrough} from './oblique_plane.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {SliceSource} from './slice_source.js';
@@ -10,12 +11,13 @@ import {SliceSource} from './slice_source.js';
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
 const MOST_DEG = 90;
-/** @type {{name: 'tilt' | 'turn', title: string, help: string}[]} */
+/** @type {{name: 'tilt' | 'turn', title: string, label: string, help: string}[]} */
 const FIELDS = [
-  {name: 'tilt', title: 'Tilt', help: 'From axial (0) to coronal (90), about the axis from right ' +
-    'to left'},
-  {name: 'turn', title: 'Turn', help: 'About the axis from the top to the bottom of this slice. ' +
-    'With a tilt of 90: from coronal (0) to sagittal (90)'},
+  {name: 'tilt', title: say`Tilt`, label: say`Tilt of the oblique slice, degrees`,
+    help: say`From axial (0) to coronal (90), about the axis from right to left`},
+  {name: 'turn', title: say`Turn`, label: say`Turn of the oblique slice, degrees`,
+    help: say`About the axis from the top to the bottom of this slice. With a tilt of 90:
+      from coronal (0) to sagittal (90)`},
 ];
 
 /** A closed block below the three slices. It asks for slices while it is open. */
@@ -40,10 +42,10 @@ export class ObliquePane {
     /** @private */
     this.source_ = new SliceSource(connection, {slice: shown, failed});
     /** @private */
-    this.fields_ = FIELDS.map(({name, title, help}) => {
+    this.fields_ = FIELDS.map(({name, title, label, help}) => {
       const value = h('output', {class: 'slice-count', 'data-testid': `oblique-${name}-value`});
       const input = h('input', {type: 'range', min: -MOST_DEG, max: MOST_DEG, step: 1,
-        'aria-label': `${title} of the oblique slice, degrees`, title: help,
+        'aria-label': label, title: help,
         'data-testid': `oblique-${name}`,
         oninput: () => this.setAngles({...this.angles_, [name]: Number(input.value)})});
       return {name, input, value, element: h('label', {class: 'oblique-angle', title: help}, title,
@@ -52,9 +54,9 @@ export class ObliquePane {
     /** @private */
     this.block_ = h('details', {class: 'slice-settings', 'data-testid': 'oblique',
       ontoggle: () => this.refresh(this.of_)},
-    h('summary', {}, 'Oblique slice'), ...this.fields_.map(({element}) => element), view.canvas,
-    h('p', {class: 'legend'}, 'Values are interpolated between voxels, and contours are ' +
-      'approximate. The other slices show this plane as a dashed line.'));
+    h('summary', {}, say`Oblique slice`), ...this.fields_.map(({element}) => element), view.canvas,
+    h('p', {class: 'legend'}, say`Values are interpolated between voxels, and contours are
+      approximate. The other slices show this plane as a dashed line.`));
     this.tell_();
   }
 

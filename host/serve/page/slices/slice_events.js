@@ -1,10 +1,12 @@
 // Actions of the pointer and of the keys on a slice.
+import {say} from '../texts/say.js';
 import {takeTissue} from './slice_tools.js';
 
 /** @typedef {import('./slice_view.js').SliceView} SliceView */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 
-const OLD_SLICE = 'This slice is still that of another volume. Try again when it has changed.';
+const OLD_SLICE = say`This slice is still that of another volume. Try again when it has
+  changed.`;
 
 /**
  * @param {import('./slices.js').SlicesPanel} panel

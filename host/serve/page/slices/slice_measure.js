@@ -5,6 +5,7 @@ import {slabNote, valuesText} from '../panel/measure_words.js';
 import {KIND_TITLES, PART_STAYS, Points, isRegion, labelText, measureText}
   from '../panel/measures.js';
 import {sentenceOf} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
 import {toPatient, toVoxel} from './patient_grid.js';
 import {movedTo, regionOf} from './slice_ends.js';
 
@@ -33,7 +34,7 @@ import {movedTo, regionOf} from './slice_ends.js';
  */
 
 const ASIDE = 22;           // From the point of a note to the field, CSS pixels.
-const LATER = 'The slice of this end is not shown yet. Press the key again.';
+const LATER = say`The slice of this end is not shown yet. Press the key again.`;
 
 export class SliceMeasure {
   /**
@@ -48,12 +49,12 @@ export class SliceMeasure {
     /** @private */ this.points_ = new Points('distance');
     /** The region that is being drawn. @private @type {Mark | null} */ this.region_ = null;
     /** The note that is being written. @private @type {Mark | null} */ this.note_ = null;
-    this.kind = h('select', {'aria-label': 'What to measure', hidden: true,
+    this.kind = h('select', {'aria-label': say`What to measure`, hidden: true,
       'data-testid': 'slices-kind', onchange: () => this.choose_()},
     ...Object.entries(KIND_TITLES).filter(([kind]) => kind !== 'part').map(([value, title]) =>
       h('option', {value}, title)));
     this.done = h('button', {type: 'button', disabled: true, hidden: true,
-      'data-testid': 'slices-path-done', onclick: () => this.finish()}, 'End path');
+      'data-testid': 'slices-path-done', onclick: () => this.finish()}, say`End path`);
     this.list = new MeasureList(app, 'slices', this.mover_(), message);
     this.list.element.hidden = true;
   }
@@ -63,8 +64,8 @@ export class SliceMeasure {
     const volume = () => this.app_.store.state?.volume ?? null;
     return {
       refusal: ({kind}) => kind === 'part' ? PART_STAYS : '',
-      hint: 'Arrow keys move it by a voxel, with Shift by 10, in the large slice; the corners of a '
-        + 'region in its own slice.',
+      hint: say`Arrow keys move it by a voxel, with Shift by 10, in the large slice; the corners of
+        a region in its own slice.`,
       look: ({points_mm}, end) => {
         const grid = volume();
         if (grid) {
@@ -88,8 +89,8 @@ export class SliceMeasure {
     this.points_ = new Points(kind);
     this.done.hidden = kind !== 'path';
     if (!refusal) {
-      this.message_.say(isRegion(kind) ? 'Drag from corner to corner.'
-        : kind === 'note' ? 'Click a point, then type the note.' : 'Click the first point.');
+      this.message_.say(isRegion(kind) ? say`Drag from corner to corner.`
+        : kind === 'note' ? say`Click a point, then type the note.` : say`Click the first point.`);
     }
   }
 
@@ -165,7 +166,7 @@ export class SliceMeasure {
     const {store} = this.app_;
     this.note_ = {kind: 'note', voxels: [voxel], text: ''};
     this.panel_.changed();
-    this.message_.say('Type the text of the note. Enter keeps it.');
+    this.message_.say(say`Type the text of the note. Enter keeps it.`);
     const [x, y] = view.placeOf(voxel);
     view.edit([x + ASIDE, y - ASIDE], '', text => {
       this.note_ = null;
@@ -212,7 +213,7 @@ export class SliceMeasure {
       measures.drop();
     } else if (phase === 'cancel') {
       measures.putBack();
-      this.message_.say('The end is back in its place.');
+      this.message_.say(say`The end is back in its place.`);
     }
   }
 
@@ -232,8 +233,8 @@ export class SliceMeasure {
     if (!view || !to || !isShown || view.isOld) {
       this.message_.fail(LATER);
     } else if (!view.isInside(to)) {
-      this.message_.fail(`The end of measurement ${measure.name} is at the edge of the slice, and `
-        + 'cannot move further.');
+      this.message_.fail(say`The end of measurement ${measure.name} is at the edge of the slice,
+        and cannot move further.`);
     } else {
       this.put_(view, volume, measure, end, to);
       this.panel_.point(to);
@@ -290,7 +291,7 @@ export class SliceMeasure {
     const isEnd = phase === 'release' || phase === 'press' && this.region_ !== null;
     if (phase === 'press' && !isEnd) {
       if (!this.panel_.views().includes(view)) {
-        this.message_.fail('Regions are drawn on the other three slices.');
+        this.message_.fail(say`Regions are drawn on the other three slices.`);
       }
       this.region_ = slice && voxel &&
         {kind: this.points_.kind, voxels: [voxel, voxel], slice, text: ''};
@@ -346,6 +347,6 @@ export class SliceMeasure {
     this.message_.say(measure.values
       ? `${measureText(measure)}: ${valuesText(measure.values, unit)}` +
         `${slabNote(measure.slice)}.`
-      : `${measureText(measure)}. The list below has all measurements.`);
+      : say`${measureText(measure)}. The list below has all measurements.`);
   }
 }

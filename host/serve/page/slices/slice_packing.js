@@ -1,5 +1,6 @@
 // Slices that the server has packed for a slow link (host/serve/director/slice_packing.hpp).
 import {inflate} from '../link/inflate.js';
+import {say} from '../texts/say.js';
 import {ARRAYS} from './slice_pixels.js';
 
 /** @typedef {{json: any, bytes: ArrayBuffer}} Answer  To `ask slice`. */
@@ -17,12 +18,12 @@ export async function unpacked({json, bytes}) {
   const plain = await inflate(bytes, 'deflate');
   const count = json.width * json.height, each = ARRAYS[json.type]?.BYTES_PER_ELEMENT ?? 0;
   if (plain.byteLength !== json.packed.bytes) {
-    throw new Error(`slice: ${plain.byteLength} bytes were packed, its description says `
-      + `${json.packed.bytes}`);
+    throw new Error(say`slice: ${plain.byteLength} bytes were packed, its description says
+      ${json.packed.bytes}`);
   }
   if (plain.byteLength < count * each) {
-    throw new Error(`slice: ${plain.byteLength} bytes were packed, ${json.width} x `
-      + `${json.height} values of ${json.type} have ${count * each}`);
+    throw new Error(say`slice: ${plain.byteLength} bytes were packed, ${json.width} x
+      ${json.height} values of ${json.type} have ${count * each}`);
   }
   const planes = new Uint8Array(plain.slice(0, count * each));
   const values = new Uint8Array(plain, 0, count * each);

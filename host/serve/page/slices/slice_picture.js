@@ -2,7 +2,10 @@
 import {areAlike, contextOf, unitOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {significant} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 import {paintSlice} from './slice_paint.js';
+import {SLAB_KINDS} from './slice_slab.js';
+import {placeText} from './slice_words.js';
 
 /** A picture of another shape is painted as in a view whose shorter side is as long, CSS pixels. */
 const LEAST_SIDE = 500;
@@ -17,8 +20,9 @@ export function shownSize(shown) {
 
 /** @param {import('./slice_paint.js').Shown} shown */
 function captionOf({plane, slice: {index, axes, slab}, size}) {
-  const place = `${plane} slice ${index + 1} of ${size[axes[2]]}`;
-  return slab ? `${place}, ${slab.kind} of ${significant(slab.thickness_mm, 4)} mm` : place;
+  const place = placeText(plane, index + 1, size[axes[2]]);
+  return slab ? say`${place}, ${SLAB_KINDS[slab.kind]} of ${significant(slab.thickness_mm, 4)} mm`
+    : place;
 }
 
 /**
@@ -30,10 +34,11 @@ function captionOf({plane, slice: {index, axes, slab}, size}) {
  */
 export function pictureOf(shown, {size: [width, height], ground, marks}) {
   if (!shown) {
-    throw new Error('The slice is not shown any more. Open a volume, and show the slices.');
+    throw new Error(say`The slice is not shown any more. Open a volume, and show the slices.`);
   }
   if (shown.isOld) {
-    throw new Error('The slice is still that of another volume. Try again when it has changed.');
+    throw new Error(say`The slice is still that of another volume. Try again when it has
+      changed.`);
   }
   const canvas = h('canvas', {width, height}), context = contextOf(canvas);
   const {clientWidth: across, clientHeight: down} = shown.canvas;

@@ -1,5 +1,5 @@
 // Parses the answer to `ask slice`, and converts between pixels and voxels. Pure functions.
-
+import {say} from '../texts/say.js';
 import {onPlane, voxelOnPlane} from './oblique_plane.js';
 import {placeOf, sliceAt} from './patient_grid.js';
 import {WHOLE} from './slice_zoom.js';
@@ -56,7 +56,7 @@ const FLOATS_PER_SEGMENT = 4;
 export function sliceOf({axis, index = 0, oblique}, {json, bytes}) {
   const array = ARRAYS[json.type];
   if (!array) {
-    throw new Error(`slice: values of type '${json.type}' are not known here`);
+    throw new Error(say`slice: values of type '${json.type}' are not known here`);
   }
   const count = json.width * json.height;
   const segments = json.contours.reduce(
@@ -66,7 +66,7 @@ export function sliceOf({axis, index = 0, oblique}, {json, bytes}) {
   const own = json.slab ? ARRAYS[json.slab.type] : array;
   const needed = middle + (json.slab ? count * own.BYTES_PER_ELEMENT : 0);
   if (bytes.byteLength < needed) {
-    throw new Error(`slice: ${bytes.byteLength} bytes came, its description needs ${needed}`);
+    throw new Error(say`slice: ${bytes.byteLength} bytes came, its description needs ${needed}`);
   }
   const values = new array(bytes, 0, count);
   return {

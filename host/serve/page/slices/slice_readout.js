@@ -1,15 +1,22 @@
 // The line below the slices: a voxel, its value and place, and the values of slabs there.
 import {h} from '../elements/dom.js';
 import {significant} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 import {nearestVoxel, patientText, toPatient} from './patient_grid.js';
 import {slabText} from './slice_slab.js';
+import {planeWord} from './slice_words.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
 /** @typedef {import('./slice_slab.js').ShownSlab} ShownSlab */
 /** @typedef {{plane: string, value: number, slab: ShownSlab}} SlabValue */
 
-const WHERE = {pointer: ' at', crosshair: ' at the crosshair,', between: ' interpolated, near'};
+/** @type {Record<'pointer' | 'crosshair' | 'between', (voxel: string) => string>} */
+const WHERE = {
+  pointer: voxel => say`at voxel ${voxel}`,
+  crosshair: voxel => say`at the crosshair, voxel ${voxel}`,
+  between: voxel => say`interpolated, near voxel ${voxel}`,
+};
 
 export class SliceReadout {
   constructor() {
@@ -55,9 +62,9 @@ export class SliceReadout {
       volume.suv_per_value > 0 ? `(SUV ${significant(number * volume.suv_per_value, 3)})` : '',
     ].filter(Boolean).join(' ');
     this.element.replaceChildren(h('b', {}, text(value)),
-      `${WHERE[where]} voxel ${x}, ${y}, ${z}`,
+      ` ${WHERE[where](`${x}, ${y}, ${z}`)}`,
       h('span', {}, patientText(toPatient(volume, voxel))),
       ...slabs.map(({plane, value: shown, slab}) => h('span', {},
-        `${plane}, ${slabText(slab)}: ${text(shown)}`)));
+        `${planeWord(plane)}, ${slabText(slab)}: ${text(shown)}`)));
   }
 }

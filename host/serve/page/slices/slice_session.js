@@ -1,5 +1,6 @@
 // Keeps the settings of the slices in saved sessions.
 import {shown} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
 
 /**
  * @param {import('../panel/app.js').App['session']} session
@@ -33,6 +34,6 @@ export function keepInSession(session, panel) {
  */
 function need(values, count, found) {
   if (!Array.isArray(values) || values.length !== count || !values.every(Number.isFinite)) {
-    throw new Error(`it is ${shown(found)}, but ${count} numbers are needed.`);
+    throw new Error(say`it is ${shown(found)}, but ${count} numbers are needed.`);
   }
 }

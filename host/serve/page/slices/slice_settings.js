@@ -1,6 +1,7 @@
 // How slices look: zoom, interpolation, contours, colors.
 import {h} from '../elements/dom.js';
 import {significant} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 import {MOST_TIMES, ZOOM_STEP} from './slice_zoom.js';
 import {COLOR_MAPS} from './windows.js';
 
@@ -15,7 +16,7 @@ import {COLOR_MAPS} from './windows.js';
 /** How slices look at first. @type {Readonly<Look>} */
 export const USUAL = {smooth: true, lines: 'thick', map: 'gray'};
 
-const LINES = {thick: 'thick', thin: 'thin', filled: 'filled', off: 'none'};
+const LINES = {thick: say`thick`, thin: say`thin`, filled: say`filled`, off: say`none`};
 
 /**
  * @param {string} label
@@ -39,23 +40,24 @@ export class SliceSettings {
   constructor(changed, zoom, more) {
     const tell = () => changed(this.look);
     /** @private */
-    this.lines_ = choice('Contours', 'slice-lines', LINES, tell);
+    this.lines_ = choice(say`Contours`, 'slice-lines', LINES, tell);
     /** @private */
-    this.map_ = choice('Colors', 'slice-colors', COLOR_MAPS, tell);
+    this.map_ = choice(say`Colors`, 'slice-colors', COLOR_MAPS, tell);
     /** @private */
     this.smooth_ = h('input', {type: 'checkbox', 'data-testid': 'slice-smooth', onchange: tell});
     /** @private */
     this.times_ = h('output', {class: 'slice-count', 'data-testid': 'slice-times'});
     /** @private */
-    this.smaller_ = this.button_('−', 'Zoom out', 'slice-smaller', () => zoom(1 / ZOOM_STEP));
+    this.smaller_ = this.button_('−', say`Zoom out`, 'slice-smaller', () => zoom(1 / ZOOM_STEP));
     /** @private */
-    this.larger_ = this.button_('+', 'Zoom in', 'slice-larger', () => zoom(ZOOM_STEP));
+    this.larger_ = this.button_('+', say`Zoom in`, 'slice-larger', () => zoom(ZOOM_STEP));
     this.element = h('details', {class: 'slice-settings', 'data-testid': 'slice-settings'},
-      h('summary', {}, 'Zoom, contours, colors, slabs, windows'),
-      h('div', {class: 'tool-row'}, h('span', {class: 'number-field'}, 'Zoom', this.smaller_,
+      h('summary', {}, say`Zoom, contours, colors, slabs, windows`),
+      h('div', {class: 'tool-row'}, h('span', {class: 'number-field'}, say`Zoom`, this.smaller_,
         this.times_, this.larger_),
-      this.button_('Whole slice', 'Shows whole slices', 'slice-whole', () => zoom(0)),
-      h('label', {class: 'check', title: 'Interpolates between voxels'}, this.smooth_, 'Smooth')),
+      this.button_(say`Whole slice`, say`Shows whole slices`, 'slice-whole', () => zoom(0)),
+      h('label', {class: 'check', title: say`Interpolates between voxels`}, this.smooth_,
+        say`Smooth`)),
       h('div', {class: 'tool-row'}, this.lines_.element, this.map_.element), ...more);
     this.tellTimes(1);
     this.setLook(USUAL);

@@ -3,6 +3,7 @@ import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {isRegion} from '../panel/measures.js';
 import {editNote} from '../panel/note_editor.js';
+import {say} from '../texts/say.js';
 import {paintMarks} from './mark_paint.js';
 import {isOn, nearestEnd, pointsMoved} from './slice_ends.js';
 import {SliceInput} from './slice_input.js';
@@ -10,6 +11,7 @@ import {paintSlice} from './slice_paint.js';
 import {boxAt, depthOf, isInside, pixelAt, placedIn, sliceAtBox, valuesIn, voxelAt}
   from './slice_pixels.js';
 import {USUAL} from './slice_settings.js';
+import {placeText, sliceWord} from './slice_words.js';
 import {WHOLE, limitedTimes, movedTo, revealed, zoomedAt} from './slice_zoom.js';
 import {paintValues} from './windows.js';
 
@@ -71,9 +73,10 @@ export class SliceView {
     this.isOld = false;
     this.size_ = size;
     this.repaint(through);
-    const number = slice.oblique ? '' : ` ${slice.index + 1} of ${size[slice.axes[2]]}`;
-    this.canvas.setAttribute('aria-label', `${this.plane_} slice${number}: arrow keys move the ` +
-      'crosshair, Page Up and Down step slices, plus and minus zoom, 0 shows the whole slice');
+    const place = slice.oblique ? sliceWord(this.plane_)
+      : placeText(this.plane_, slice.index + 1, size[slice.axes[2]]);
+    this.canvas.setAttribute('aria-label', say`${place}: arrow keys move the crosshair, Page Up and
+      Down step slices, plus and minus zoom, 0 shows the whole slice`);
   }
 
   /**
@@ -104,7 +107,7 @@ export class SliceView {
     this.isOld = false;
     this.crosshair_ = null;
     this.zoom_ = WHOLE;
-    this.canvas.setAttribute('aria-label', `${this.plane_} slice`);
+    this.canvas.setAttribute('aria-label', sliceWord(this.plane_));
     this.draw();
   }
 

@@ -1,6 +1,7 @@
 // Panel: three slices of the volume, linked to each other and to the picture.
 import {h} from '../elements/dom.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
 import {ObliquePane} from './oblique_pane.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {cutsOf} from './slice_cuts.js';
@@ -16,7 +17,7 @@ import {SlabControls} from './slice_slab.js';
 import {SliceSource} from './slice_source.js';
 import {SliceView} from './slice_view.js';
 import {TOOLS} from './slice_tools.js';
-import {beyond, differing} from './slice_words.js';
+import {beyond, differing, planeWord, sliceWord} from './slice_words.js';
 import {limitedTimes} from './slice_zoom.js';
 import {WindowControls} from './window_controls.js';
 
@@ -26,7 +27,7 @@ import {WindowControls} from './window_controls.js';
 const PLANES = ['Axial', 'Coronal', 'Sagittal'];
 const SELF = 'slices';
 const REST_MS = 250;        // A dragged isovalue rests after this time.
-const EMPTY = 'No volume is open. Open a volume to see its slices.';
+const EMPTY = say`No volume is open. Open a volume to see its slices.`;
 
 /** @typedef {{view: SliceView, source: SliceSource, element: HTMLElement,
  *   slider: HTMLInputElement, count: HTMLElement}} Pane */
@@ -70,7 +71,7 @@ export class SlicesPanel {
         },
         failed: sentence => this.message.fail(sentence)});
     this.grid = h('div', {class: 'slice-grid'}, ...this.panes.map(pane => pane.element));
-    this.target = h('select', {'aria-label': 'Surface to adjust', hidden: true,
+    this.target = h('select', {'aria-label': say`Surface to adjust`, hidden: true,
       'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
     /** @type {import('./slice_input.js').Tool}  The chosen tool. A mode may replace it. */
     this.tool = 'point';
@@ -88,13 +89,13 @@ export class SlicesPanel {
   }
 
   build() {
-    this.tools = choiceRow('Tool for the slices', TOOLS, tool => {
+    this.tools = choiceRow(say`Tool for the slices`, TOOLS, tool => {
       this.tool = tool;
       this.app.modes.leave('tissue');
       this.takeTool();
     });
     this.root.append(
-      intro('Three slices of the scan. Lines show the surfaces.'),
+      intro(say`Three slices of the scan. Lines show the surfaces.`),
       h('div', {class: 'tool-row'}, this.tools.element, this.target, this.measure.kind,
         this.measure.done),
       this.window.fields, this.window.presets, this.settings.element, this.message.element,
@@ -169,15 +170,15 @@ export class SlicesPanel {
       },
       failed: sentence => this.message.fail(sentence),
     });
-    this.app.views.add({title: `${PLANES[number]} slice`, size: () => shownSize(view.all),
+    this.app.views.add({title: sliceWord(PLANES[number]), size: () => shownSize(view.all),
       painted: painting => pictureOf(view.all, painting)});
     const slider = h('input', {type: 'range', min: 0, max: 0, value: 0,
-      'aria-label': `${PLANES[number]} slice`, 'data-testid': `slice-index-${number}`,
+      'aria-label': sliceWord(PLANES[number]), 'data-testid': `slice-index-${number}`,
       oninput: () => this.step(number, Number(slider.value) - Math.round(
         this.voxel[this.planes[number].number]))});
     const count = h('span', {class: 'slice-count', 'data-testid': `slice-count-${number}`});
-    const enlarge = h('button', {type: 'button', class: 'quiet', title: 'Enlarge this slice',
-      onclick: () => this.place?.enlarge(number)}, PLANES[number]);
+    const enlarge = h('button', {type: 'button', class: 'quiet', title: say`Enlarge this slice`,
+      onclick: () => this.place?.enlarge(number)}, planeWord(PLANES[number]));
     const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
       h('div', {class: 'slice-head'}, enlarge, count), view.canvas, slider);
     return {view, source, element, slider, count};
@@ -267,7 +268,8 @@ export class SlicesPanel {
       contours.filter(({left_out}) => left_out).map(({surface}) => surface);
     this.skew = skew_deg ?? this.skew;  // The oblique slice has none.
     const left = [...PLANES, 'Oblique'].map((plane, each) => this.leftOut[each]?.length > 0
-      ? `${plane}: too many lines. Contours of ${this.leftOut[each].join(', ')} are incomplete.`
+      ? say`${planeWord(plane)}: too many lines. Contours of ${this.leftOut[each].join(', ')} are
+        incomplete.`
       : '');
     this.notes.textContent = [...left, differing(this.volume, this.skew)].filter(Boolean).join(' ');
   }

@@ -3,7 +3,8 @@ import {h} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
 import {numberField} from '../panel/panel_parts.js';
-import {CT_WINDOWS, allValues, firstWindow, isHounsfield, mostValues, ownWindows}
+import {say} from '../texts/say.js';
+import {CT_WINDOWS, allValues, firstWindow, isHounsfield, mostValues, ownWindows, uptakesOf}
   from './windows.js';
 
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
@@ -23,21 +24,22 @@ export class WindowControls {
     /** @type {Window} */
     this.through = {window: 1, level: 0};
     /** @private */
-    this.window_ = numberField('Window', 'slices-window', window =>
+    this.window_ = numberField(say`Window`, 'slices-window', window =>
       this.look({...this.through, window: Math.max(window, LIMITS.least_window)}));
     /** @private */
-    this.level_ = numberField('Level', 'slices-level', level =>
+    this.level_ = numberField(say`Level`, 'slices-level', level =>
       this.look({...this.through, level}));
     this.fields = h('div', {class: 'tool-row'}, this.window_.element, this.level_.element);
     /** @private */
-    this.most_ = this.chip_('most', 'Auto', 'All but the lowest and highest 2 % of the voxels',
+    this.most_ = this.chip_('most', say`Auto`,
+      say`All but the lowest and highest 2 % of the voxels`,
       () => this.counts_ && mostValues(this.counts_));
-    const presets = CT_WINDOWS.map(({name, window, level}) => this.chip_(name, name,
-      `Window ${short(window)}, level ${short(level)}`, () => ({window, level}), 'hounsfield'));
+    const presets = CT_WINDOWS.map(({name, title, window, level}) => this.chip_(name, title,
+      say`Window ${short(window)}, level ${short(level)}`, () => ({window, level}), 'hounsfield'));
     /** @private Windows of the scan itself. */
     this.own_ = h('span', {class: 'own-windows'});
     this.presets = h('div', {class: 'presets'}, this.own_, ...presets.slice(0, IN_FIRST_ROW),
-      this.most_, this.chip_('full', 'Full', 'Full range of values',
+      this.most_, this.chip_('full', say`Full`, say`Full range of values`,
         () => this.volume_ && allValues(this.volume_)));
     /** Further presets, for a place that may be closed. */
     this.more = h('div', {class: 'presets'}, ...presets.slice(IN_FIRST_ROW));
@@ -73,11 +75,13 @@ export class WindowControls {
         chip.toggleAttribute('hidden', !isHounsfield(volume));
       }
     }
-    const own = ownWindows(volume);
+    const own = ownWindows(volume), uptakes = uptakesOf(volume).length;
     this.own_.hidden = own.length === 0;
     this.own_.replaceChildren(...own.map(({name, window, level}, k) => this.chip_(`own-${k}`, name,
-      `${name.startsWith('SUV') ? 'Standardized uptake values' : 'As the file states'}: `
-      + `window ${short(window)}, level ${short(level)}`, () => ({window, level}))));
+      k < uptakes
+        ? say`Standardized uptake values: window ${short(window)}, level ${short(level)}`
+        : say`As the file states: window ${short(window)}, level ${short(level)}`,
+      () => ({window, level}))));
     if (!same) {
       this.count(null);
       this.look(firstWindow(volume, null));

@@ -1,4 +1,5 @@
 // Windows of gray values, and the colors that they are shown in. Pure functions.
+import {say} from '../texts/say.js';
 
 /** @typedef {{window: number, level: number}} Window  Values shown from level - window / 2 on. */
 /** @typedef {{first: number, width: number, counts: number[]}} Counts  The histogram's bins. */
@@ -6,19 +7,27 @@
 
 /**
  * The usual CT windows, in Hounsfield units.
- * @type {{name: string, window: number, level: number}[]}
+ * @type {{name: string, title: string, window: number, level: number}[]}
  */
 export const CT_WINDOWS = [
-  {name: 'Soft tissue', window: 400, level: 40},
-  {name: 'Bone', window: 1800, level: 400},
-  {name: 'Lung', window: 1500, level: -600},
-  {name: 'Brain', window: 80, level: 40},
-  {name: 'Liver', window: 150, level: 60},
-  {name: 'Mediastinum', window: 350, level: 50},
+  {name: 'Soft tissue', title: say`Soft tissue`, window: 400, level: 40},
+  {name: 'Bone', title: say`Bone`, window: 1800, level: 400},
+  {name: 'Lung', title: say`Lung`, window: 1500, level: -600},
+  {name: 'Brain', title: say`Brain`, window: 80, level: 40},
+  {name: 'Liver', title: say`Liver`, window: 150, level: 60},
+  {name: 'Mediastinum', title: say`Mediastinum`, window: 350, level: 50},
 ];
 
 const MOST_WINDOWS = 4;         // Of the file, as buttons.
 const UPTAKES = [5, 10];        // Upper ends of windows of PET, in g/ml.
+
+/**
+ * Upper ends of windows in standardized uptake values, if these are known.
+ * @param {{suv_per_value: number}} volume
+ */
+export function uptakesOf({suv_per_value: each}) {
+  return each > 0 ? UPTAKES : [];
+}
 
 /**
  * The windows that belong to this scan: those of its file, and for PET with known standardized
@@ -27,10 +36,10 @@ const UPTAKES = [5, 10];        // Upper ends of windows of PET, in g/ml.
  * @returns {{name: string, window: number, level: number}[]}
  */
 export function ownWindows({windows, suv_per_value: each}) {
-  const uptakes = each > 0 ? UPTAKES.map(most =>
-    ({name: `SUV 0 to ${most}`, window: most / each, level: most / 2 / each})) : [];
+  const uptakes = uptakesOf({suv_per_value: each}).map(most =>
+    ({name: say`SUV 0 to ${most}`, window: most / each, level: most / 2 / each}));
   return [...uptakes, ...windows.slice(0, MOST_WINDOWS).map(({name, window, level}, k) =>
-    ({name: name || (k > 0 ? `File ${k + 1}` : 'File'), window, level}))];
+    ({name: name || (k > 0 ? say`File ${k + 1}` : say`File`), window, level}))];
 }
 
 /**
@@ -115,7 +124,7 @@ const STOPS = {
  * The names of the maps, with their titles.
  * @type {Record<ColorMap, string>}
  */
-export const COLOR_MAPS = {gray: 'gray', inverted: 'gray, inverted', hot: 'hot iron',
+export const COLOR_MAPS = {gray: say`gray`, inverted: say`gray, inverted`, hot: say`hot iron`,
   viridis: 'viridis'};
 
 const LEVELS = 256;

@@ -1,4 +1,5 @@
 // Parts of a session that only the page knows: window, crosshair, measurements.
+import {say} from '../texts/say.js';
 
 /**
  * A part of the page that a saved session keeps.
@@ -8,6 +9,10 @@
  */
 
 /** @typedef {import('../link/types.js').Session} Session */
+
+/** @type {Record<string, string>}  The parts' names for the user. */
+const SHOWN = {layout: say`layout`, window: say`window`, slices: say`slices`, slabs: say`slabs`,
+  oblique: say`oblique`, crosshair: say`crosshair`, measurements: say`measurements`};
 
 export class PageSession {
   constructor() {
@@ -47,7 +52,8 @@ export class PageSession {
         }
         return [];
       } catch (error) {
-        return [`The session's ${name} was left out: ${/** @type {Error} */ (error).message}`];
+        const why = /** @type {Error} */ (error).message;
+        return [say`The session's ${SHOWN[name] ?? name} was left out: ${why}`];
       }
     });
   }

@@ -4,14 +4,20 @@ import {short} from '../elements/numbers.js';
 import {plain} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
 import {SIDES} from '../picture/projection.js';
+import {say} from '../texts/say.js';
 import {show} from './surface_card.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').ClipState} ClipState */
 
-const SIDE_NAMES = new Map([['L', 'left'], ['R', 'right'], ['A', 'anterior'], ['P', 'posterior'],
-  ['S', 'superior'], ['I', 'inferior']]);
+const SIDE_NAMES = new Map([['L', say`left`], ['R', say`right`], ['A', say`anterior`],
+  ['P', say`posterior`], ['S', say`superior`], ['I', say`inferior`]]);
 const AXIS = new Map([['L', 0], ['R', 0], ['A', 1], ['P', 1], ['S', 2], ['I', 2]]);
+
+/** @param {string} letter */
+function sideName(letter) {
+  return SIDE_NAMES.get(letter) ?? '';
+}
 
 /**
  * @param {HTMLElement} root
@@ -19,16 +25,17 @@ const AXIS = new Map([['L', 0], ['R', 0], ['A', 1], ['P', 1], ['S', 2], ['I', 2]
  */
 export function createClips(root, app) {
   const list = h('div', {id: 'clips', 'data-testid': 'clip-list'});
-  const buttons = SIDES.map(({letter, view}) => h('button', {'data-testid': `clip-add-${letter}`,
-    title: `Keep only the ${view} half, then move the plane`, 'aria-label': `Keep the ${view} side`,
+  const buttons = SIDES.map(({letter}) => h('button', {'data-testid': `clip-add-${letter}`,
+    title: say`Keep only the ${sideName(letter)} half, then move the plane`,
+    'aria-label': say`Keep the ${sideName(letter)} side`,
     onclick: () => {
       app.connection.mark();
       void app.connection.do(`clip ${letter}`);
     }}, letter));
   const box = h('button', {'data-testid': 'clip-add-box',
-    title: 'Keep a box in the middle of the volume', onclick: () => clipBox(app)}, 'Box');
-  root.append(h('p', {class: 'muted'}, 'Keep only this side of the patient:'),
-    h('div', {class: 'chips', role: 'group', 'aria-label': 'Add a clip plane'}, ...buttons, box),
+    title: say`Keep a box in the middle of the volume`, onclick: () => clipBox(app)}, say`Box`);
+  root.append(h('p', {class: 'muted'}, say`Keep only this side of the patient:`),
+    h('div', {class: 'chips', role: 'group', 'aria-label': say`Add a clip plane`}, ...buttons, box),
     list);
   /** @type {Map<string, PlaneRow>} */
   const rows = new Map();
@@ -79,25 +86,26 @@ class PlaneRow {
     /** @private */
     this.kind_ = kind;
     const off = () => void app.connection.do(`clip ${kind} off`);
-    const remove = h('button', {class: 'quiet icon', title: 'Remove', onclick: off,
-      'aria-label': `Remove the clip plane ${kind}`, 'data-testid': `clip-off-${kind}`}, '×');
+    const remove = h('button', {class: 'quiet icon', title: say`Remove`, onclick: off,
+      'aria-label': kind === 'box' ? say`Remove the clip plane box`
+        : say`Remove the clip plane ${kind}`, 'data-testid': `clip-off-${kind}`}, '×');
     /** @private */
     this.place_ = h('input', {type: 'range', step: 0.5, 'data-testid': `clip-place-${kind}`,
-      'aria-label': `Position of the plane that keeps the ${SIDE_NAMES.get(kind)} side`,
+      'aria-label': say`Position of the plane that keeps the ${sideName(kind)} side`,
       ...gesture(app.connection, () => void app.connection.set({name: 'clip',
         words: [kind, this.place_.value]}))});
     /** @private */
     this.text_ = h('span', {class: 'number amount'});
     /** @private */
     this.corners_ = h('input', {type: 'text', class: 'grow mono', 'data-testid': 'clip-corners',
-      'aria-label': 'First and last voxel of the box, each as I,J,K',
+      'aria-label': say`First and last voxel of the box, each as I,J,K`,
       onchange: () => void app.connection.do(`clip box ${this.corners_.value}`)});
     const flip = h('button', {class: 'quiet icon', 'data-testid': `clip-flip-${kind}`,
-      title: 'Keep the other side', 'aria-label': `Flip the clip plane ${kind}`,
+      title: say`Keep the other side`, 'aria-label': say`Flip the clip plane ${kind}`,
       onclick: () => void app.connection.do(`clip ${kind} flip`)}, '⇄');
     this.root = kind === 'box'
-      ? h('div', {class: 'row'}, h('span', {class: 'field'}, 'box'), this.corners_, remove)
-      : h('div', {class: 'row'}, h('span', {class: 'field'}, SIDE_NAMES.get(kind)), this.place_,
+      ? h('div', {class: 'row'}, h('span', {class: 'field'}, say`box`), this.corners_, remove)
+      : h('div', {class: 'row'}, h('span', {class: 'field'}, sideName(kind)), this.place_,
         this.text_, flip, remove);
   }
 

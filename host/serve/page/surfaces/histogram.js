@@ -1,8 +1,9 @@
 // The histogram of the volume. Each surface is a handle that the user drags.
 import {remPx} from '../elements/canvas.js';
-import {h, s, setText, update} from '../elements/dom.js';
+import {DATA, h, s, setText, update} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 import {isoCommand, roundIso} from '../link/lines.js';
+import {say} from '../texts/say.js';
 import {drawAxis, outline, Scale} from './axis.js';
 import {drawBands, mayBeHounsfield} from './bands.js';
 import {Zoom} from './zoom.js';
@@ -79,7 +80,7 @@ export class Histogram {
     this.handleGroup_ = s('g');
     /** @private */
     this.svg_ = s('svg', {id: 'histogram', 'data-testid': 'histogram',
-      role: 'group', 'aria-label': 'Histogram of the volume, with a handle for each surface'},
+      role: 'group', 'aria-label': say`Histogram of the volume, with a handle for each surface`},
       s('clipPath', {id: 'histogram-plot'}, this.plot_), this.bands_, this.area_,
       this.bandNames_, this.axis_, this.handleGroup_);
     /** @private */
@@ -89,10 +90,10 @@ export class Histogram {
       draw: () => this.draw_(),
     });
     /** @private */
-    this.message_ = h('p', {class: 'muted'}, 'Open a volume to see its histogram.');
-    root.append(h('h2', {class: 'spread'}, h('span', {title:
-      'Number of voxels per value, on a logarithmic scale'}, 'Histogram'), this.zoom_.buttons),
-      this.svg_, this.message_);
+    this.message_ = h('p', {class: 'muted'}, say`Open a volume to see its histogram.`);
+    root.append(h('h2', {class: 'spread'},
+      h('span', {title: say`Number of voxels per value, on a logarithmic scale`}, say`Histogram`),
+      this.zoom_.buttons), this.svg_, this.message_);
     new ResizeObserver(() => this.draw_()).observe(root);
     app.store.subscribe(['volume'], ({volume}) => this.open_(volume));
     app.store.subscribe(['surfaces', 'volume'], () => this.follow_());
@@ -138,16 +139,17 @@ export class Histogram {
     if (!volume) {
       return;
     }
-    const reply = this.app_.connection.watches
-      ? {ok: false, error: 'a view-only page cannot request it.'}
+    const {watches} = this.app_.connection;
+    const reply = watches ? {ok: false, error: ''}
       : await this.app_.connection.do('histogram', {quiet: true});
     if (JSON.stringify(volume) !== JSON.stringify(this.app_.store.state?.volume)) {
       return;  // Another volume was opened in the meantime and requests its own counts.
     }
     this.isCounted_ = reply.ok;
     const reduction = reply.ok ? reply.result.reduction : 1;
-    this.message_.textContent = !reply.ok ? `No histogram: ${reply.error}`
-      : reduction > 1 ? `Counts one voxel in ${reduction} along each axis.` : '';
+    this.message_.textContent = watches ? say`No histogram: a view-only page cannot request it.`
+      : !reply.ok ? say`No histogram: ${reply.error ?? ''}`
+      : reduction > 1 ? say`Counts one voxel in ${reduction} along each axis.` : '';
     // The handles need an axis even without counts. A volume with a single value gets an axis of
     // length 1.
     const hasCounts = reply.ok && reply.result.counts.length > 0 && reply.result.width > 0;
@@ -256,12 +258,12 @@ export class Histogram {
    * @param {string} name
    */
   makeHandle_(name) {
-    const handle = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Isovalue of ${name}`,
+    const handle = s('g', {role: 'slider', tabindex: 0, 'aria-label': say`Isovalue of ${name}`,
       'data-testid': `handle-${name}`},
       s('line'), s('rect', {rx: 3}),
-      s('text', {class: 'handle-text'}),
+      s('text', {...DATA, class: 'handle-text'}),
       s('rect', {class: 'reach'}),
-      s('title', {}, `${name}: drag (slower with Shift), or use the arrow keys`),
+      s('title', {}, say`${name}: drag (slower with Shift), or use the arrow keys`),
       s('path', {class: 'beyond', 'data-testid': `handle-beyond-${name}`}));
     handle.addEventListener('focus', () => this.selection_.choose(name));
     handle.addEventListener('keydown', event => this.key_(event, name));

@@ -1,5 +1,6 @@
 // The left side: histogram, surfaces, clip planes, light and material.
 import {byId, h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {createClips} from './clips.js';
 import {Histogram} from './histogram.js';
 import {createLook} from './look.js';
@@ -31,8 +32,8 @@ export function createLeft(app) {
   createTissues(values, app, selection);
   createSurfaces(surfaces, app, selection);
   const isRoomy = innerHeight >= ROOMY_PX;
-  createClips(block('Clip planes', isRoomy), app);
-  createLook(block('Light and material', isRoomy), app);
+  createClips(block(say`Clip planes`, isRoomy), app);
+  createLook(block(say`Light and material`, isRoomy), app);
   byId('left').append(all);
   app.connection.on('hello', ({role}) => { all.disabled = role === 'watcher'; });
 }

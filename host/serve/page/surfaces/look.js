@@ -2,6 +2,7 @@
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
+import {say} from '../texts/say.js';
 import {show} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
 
@@ -13,15 +14,15 @@ const REACH = 17;             // Radius at which a pointer grabs a dot: 44 px fo
 const KEY_DEG = 5;
 const NEW_LIGHT = '0 45 intensity=0.4';
 const DEGREE = Math.PI / 180;
-const DETAILS = {exact: 'all', auto: 'fewer while moving', 1: 'cells of 2 voxels',
-  2: 'cells of 4 voxels', 3: 'cells of 8 voxels'};
+const DETAILS = {exact: say`all`, auto: say`fewer while moving`, 1: say`cells of 2 voxels`,
+  2: say`cells of 4 voxels`, 3: say`cells of 8 voxels`};
 
-const STEREO_MODES = {off: 'off', anaglyph: 'red/cyan glasses', sbs: 'side by side',
-  cross: 'crossed eyes', rows: 'alternate rows'};
+const STEREO_MODES = {off: say`off`, anaglyph: say`red/cyan glasses`, sbs: say`side by side`,
+  cross: say`crossed eyes`, rows: say`alternate rows`};
 
-const STEREO_TITLE = 'Draws a picture for each eye. The command stereo sets the distance of the '
-  + 'eyes. Alternate rows are for 3-D monitors: the left eye has rows 0, 2, 4 … of the picture. '
-  + 'If near and far are exchanged, move the window by one row of the monitor.';
+const STEREO_TITLE = say`Draws a picture for each eye. The command stereo sets the distance of the
+  eyes. Alternate rows are for 3-D monitors: the left eye has rows 0, 2, 4 … of the picture.
+  If near and far are exchanged, move the window by one row of the monitor.`;
 
 /**
  * The position of a light's dot on the ball, right and down. Lights from behind lie outside.
@@ -60,21 +61,22 @@ class LightBall {
     this.dots_ = s('g');
     /** @private */
     this.svg_ = s('svg', {id: 'light-ball', viewBox: '-44 -44 88 88', role: 'group',
-      'data-testid': 'light-ball', 'aria-label': 'Directions of the lights, seen from the viewer'},
+      'data-testid': 'light-ball',
+      'aria-label': say`Directions of the lights, seen from the viewer`},
       s('circle', {r: BALL, class: 'ball'}), this.dots_);
     /** @private */
     this.intensity_ = h('input', {type: 'range', min: 0, max: 2, step: 0.02,
-      'aria-label': 'Light intensity', 'data-testid': 'light-intensity',
+      'aria-label': say`Light intensity`, 'data-testid': 'light-intensity',
       ...gesture(app.connection, () => this.send_(this.lights_()[this.chosen_]))});
     /** @private */
     this.add_ = h('button', {class: 'quiet', 'data-testid': 'add-light',
-      onclick: () => this.addLight_()}, '+ Light');
+      onclick: () => this.addLight_()}, say`+ Light`);
     /** @private */
     this.remove_ = h('button', {class: 'quiet', 'data-testid': 'remove-light',
-      onclick: () => void app.connection.do(`light ${this.chosen_ + 1} off`)}, 'Remove');
+      onclick: () => void app.connection.do(`light ${this.chosen_ + 1} off`)}, say`Remove`);
     root.append(h('div', {class: 'row'}, this.svg_,
-      h('div', {class: 'grow'}, h('p', {class: 'muted'}, 'Drag a dot to move a light.'),
-        h('label', {}, 'Intensity', this.intensity_),
+      h('div', {class: 'grow'}, h('p', {class: 'muted'}, say`Drag a dot to move a light.`),
+        h('label', {}, say`Intensity`, this.intensity_),
         h('div', {class: 'row'}, this.add_, this.remove_))));
     app.store.subscribe(['lights'], () => this.draw_());
   }
@@ -105,8 +107,8 @@ class LightBall {
       update(dot, {transform: `translate(${x} ${y})`,
         class: `light${index === this.chosen_ ? ' chosen' : ''}${isBehind ? ' behind' : ''}`,
         'aria-valuenow': Math.round(light.azimuth_deg),
-        'aria-valuetext': `${Math.round(light.azimuth_deg)}° right, `
-          + `${Math.round(light.elevation_deg)}° up`});
+        'aria-valuetext': say`${Math.round(light.azimuth_deg)}° right,
+          ${Math.round(light.elevation_deg)}° up`});
     });
     this.intensity_.disabled = lights.length === 0;
     this.remove_.disabled = lights.length === 0;
@@ -119,7 +121,7 @@ class LightBall {
    * @param {number} index
    */
   makeDot_(index) {
-    const dot = s('g', {role: 'slider', tabindex: 0, 'aria-label': `Light ${index + 1}`,
+    const dot = s('g', {role: 'slider', tabindex: 0, 'aria-label': say`Light ${index + 1}`,
       'aria-valuemin': -180, 'aria-valuemax': 180, 'data-testid': `light-${index + 1}`},
     s('circle', {class: 'reach', r: REACH}), s('circle', {class: 'dot'}));
     const choose = () => {
@@ -178,9 +180,9 @@ export function createLook(root, app) {
   createWarpSwitch(root, app);
 }
 
-const LOOK_TITLE = 'Turns the picture by a few degrees with the pointer over it, or with a phone '
-  + 'in the hand, by the depths of the picture. The view stays the same. Touch the picture to make '
-  + 'the present orientation of the phone the middle. Not with transparent surfaces.';
+const LOOK_TITLE = say`Turns the picture by a few degrees with the pointer over it, or with a phone
+  in the hand, by the depths of the picture. The view stays the same. Touch the picture to make
+  the present orientation of the phone the middle. Not with transparent surfaces.`;
 
 /**
  * The switch of the pictures between pictures, and the switch of looking around.
@@ -203,22 +205,22 @@ function createWarpSwitch(root, {connection, toasts, picture: {warp}}) {
       }
     }});
   const lookLabel = h('label', {class: 'row'}, look,
-    'Look around by moving the pointer or the phone');
+    say`Look around by moving the pointer or the phone`);
   const box = h('input', {type: 'checkbox', 'data-testid': 'warp-switch',
     onchange: () => { warp.isOn = box.checked; }});
-  const label = h('label', {class: 'row'}, box, 'Follow the pointer between pictures');
+  const label = h('label', {class: 'row'}, box, say`Follow the pointer between pictures`);
   root.append(label, lookLabel);
   warp.onSwitched(() => {
     lookLabel.hidden = label.hidden = connection.watches;
     look.checked = parallax.isOn;
     look.disabled = !warp.isOn;
-    lookLabel.title = warp.isOn ? LOOK_TITLE : 'Needs "Follow the pointer between pictures".';
+    lookLabel.title = warp.isOn ? LOOK_TITLE : say`Needs "Follow the pointer between pictures".`;
     box.checked = warp.isOn;
     box.disabled = warp.refusal !== '';
-    label.title = box.disabled ? `Not possible here: ${warp.refusal}.`
-      : 'While the view moves, shows the newest picture from the newest viewpoint by its depths. '
-        + 'Parts that the picture has not seen are hatched. Not with two or more transparent '
-        + 'surfaces, nor with one in stereo.';
+    label.title = box.disabled ? say`Not possible here: ${warp.refusal}.`
+      : say`While the view moves, shows the newest picture from the newest viewpoint by its depths.
+        Parts that the picture has not seen are hatched. Not with two or more transparent
+        surfaces, nor with one in stereo.`;
   });
 }
 
@@ -228,10 +230,10 @@ function createWarpSwitch(root, {connection, toasts, picture: {warp}}) {
  */
 function createMaterial(root, app) {
   const rows = /** @type {const} */ ([
-    ['ambient', 'Ambient', 0, 1, 0.01, 'Brightness without direct light'],
-    ['specular', 'Gloss', 0, 1, 0.01, 'Strength of the highlights'],
-    ['power', 'Sharpness', 1, LIMITS.max_specular_power, 1,
-      'Larger values give smaller highlights'],
+    ['ambient', say`Ambient`, 0, 1, 0.01, say`Brightness without direct light`],
+    ['specular', say`Gloss`, 0, 1, 0.01, say`Strength of the highlights`],
+    ['power', say`Sharpness`, 1, LIMITS.max_specular_power, 1,
+      say`Larger values give smaller highlights`],
   ]).map(([key, label, min, max, step, title]) => {
     const input = h('input', {type: 'range', min, max, step, 'data-testid': `material-${key}`,
       ...gesture(app.connection, () => void app.connection.set({name: 'material',
@@ -245,7 +247,7 @@ function createMaterial(root, app) {
   const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
     onchange: () => void app.connection.set({name: 'tint',
       words: [gaps.checked ? 'gaps' : 'off']})});
-  const gapLabel = h('label', {class: 'row'}, gaps, 'Tint where slices are missing');
+  const gapLabel = h('label', {class: 'row'}, gaps, say`Tint where slices are missing`);
   const detail = h('select', {'data-testid': 'detail', onchange: async () => {
     detail.blur();
     await app.connection.do(`detail ${detail.value}`);
@@ -256,11 +258,12 @@ function createMaterial(root, app) {
     await app.connection.do(`stereo ${stereo.value}`);
     show(stereo, app.store.state?.stereo ?? stereo.value);
   }}, ...Object.entries(STEREO_MODES).map(([value, text]) => h('option', {value}, text)));
-  root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, 'Background'), color),
-    h('label', {class: 'row', title: 'Fewer triangles are drawn faster. The status line states '
-      + 'how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest'},
-    h('span', {class: 'field'}, 'Triangles'), detail),
-    h('label', {class: 'row', title: STEREO_TITLE}, h('span', {class: 'field'}, 'Stereo'), stereo),
+  root.append(h('label', {class: 'row'}, h('span', {class: 'field'}, say`Background`), color),
+    h('label', {class: 'row', title: say`Fewer triangles are drawn faster. The status line states
+      how far surfaces are off. "Fewer while moving": above 2 million triangles; exact at rest`},
+    h('span', {class: 'field'}, say`Triangles`), detail),
+    h('label', {class: 'row', title: STEREO_TITLE},
+      h('span', {class: 'field'}, say`Stereo`), stereo),
     gapLabel);
   app.store.subscribe(['material', 'background', 'tint_gaps', 'volume'], state => {
     for (const {key, input} of rows) {

@@ -1,15 +1,16 @@
 // One surface in the list: a row, and details if the surface is chosen.
-import {h} from '../elements/dom.js';
-import {counted, grouped, percent, rewritten, short} from '../elements/numbers.js';
+import {DATA, ENGLISH, h} from '../elements/dom.js';
+import {grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
 import {gesture} from '../panel/gesture.js';
+import {plural, say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 /** @typedef {import('../state/selection.js').Selection} Selection */
 
-const TABLE_NAMES = new Map([['watertight', 'watertight'], ['lorensen1987', 'tables of 1987'],
-  ['asymptotic', 'asymptotic decider']]);
+const TABLE_NAMES = new Map([['watertight', say`watertight`], ['lorensen1987', say`tables of 1987`],
+  ['asymptotic', say`asymptotic decider`]]);
 const LEAST_ML = [0.1, 1, 10, 100];
 const ISO_DIGITS = 7;  // Significant digits of an isovalue in its field.
 
@@ -25,17 +26,29 @@ export function show(input, value) {
 }
 
 /**
- * The range that an isovalue lies outside of, as words; '' if it lies inside.
+ * Says that a surface has no triangles, and why if its isovalue is outside of the volume's range.
  * @param {number} isovalue
  * @param {import('../link/vocabulary.js').VolumeState | null | undefined} volume
  */
-function outside(isovalue, volume) {
+function nothingAt(isovalue, volume) {
   if (!volume || isovalue >= volume.minimum && isovalue <= volume.maximum) {
-    return '';
+    return say`No surface at this value.`;
   }
-  const side = isovalue < volume.minimum ? 'below' : 'above';
-  return `: it is ${side} the range of the volume, ${short(volume.minimum, 3)} to `
-    + `${short(volume.maximum, 3)} ${volume.unit}`.trimEnd();
+  const low = short(volume.minimum, 3);
+  const high = `${short(volume.maximum, 3)} ${volume.unit}`.trimEnd();
+  return isovalue < volume.minimum
+    ? say`No surface at this value: it is below the range of the volume, ${low} to ${high}.`
+    : say`No surface at this value: it is above the range of the volume, ${low} to ${high}.`;
+}
+
+/** @param {SurfaceState} surface */
+function sizes({triangles, area_mm2, volume_ml, extraction_ms, components}) {
+  const mesh = plural(triangles, say`1 triangle`, say`${grouped(triangles)} triangles`);
+  const area = grouped(area_mm2 / 100, 1), ml = grouped(volume_ml, 1);
+  const ms = grouped(extraction_ms, 0);
+  const isFiltered = components !== '' && components !== 'all';
+  return isFiltered ? say`${mesh}, ${area} cm², ${ml} ml (all parts), extracted in ${ms} ms`
+    : say`${mesh}, ${area} cm², ${ml} ml, extracted in ${ms} ms`;
 }
 
 export class SurfaceCard {
@@ -54,11 +67,11 @@ export class SurfaceCard {
     };
     const id = `surface-${name}`;
     /** @private */
-    this.color_ = h('input', {type: 'color', 'aria-label': `Color of ${name}`,
+    this.color_ = h('input', {type: 'color', 'aria-label': say`Color of ${name}`,
       'data-testid': `surface-color-${name}`,
       ...gesture(app.connection, () => set({color: this.color_.value}))});
     /** @private */
-    this.visible_ = h('input', {type: 'checkbox', 'aria-label': `Show ${name}`,
+    this.visible_ = h('input', {type: 'checkbox', 'aria-label': say`Show ${name}`,
       'data-testid': `surface-visible-${name}`,
       onchange: () => {
         app.connection.mark();
@@ -66,7 +79,7 @@ export class SurfaceCard {
       }});
     /** @private */
     this.iso_ = h('input', {type: 'number', step: 'any', class: 'iso number',
-      'aria-label': `Isovalue of ${name}`, 'data-testid': `iso-${name}`,
+      'aria-label': say`Isovalue of ${name}`, 'data-testid': `iso-${name}`,
       onchange: () => this.typed_(),
       onkeydown: (/** @type {KeyboardEvent} */ event) => {
         if (event.key === 'Enter') {
@@ -75,10 +88,10 @@ export class SurfaceCard {
       }});
     /** @private */
     this.title_ = h('button', {class: 'quiet grow name', 'aria-controls': `${id}-more`,
-      'data-testid': `choose-${name}`, onclick: () => selection.choose(name)}, name);
+      ...DATA, 'data-testid': `choose-${name}`, onclick: () => selection.choose(name)}, name);
     /** @private */
     this.opacity_ = h('input', {type: 'range', min: 0.0625, max: 1, step: 0.0625,
-      'aria-label': `Opacity of ${name}`, 'data-testid': `surface-opacity-${name}`,
+      'aria-label': say`Opacity of ${name}`, 'data-testid': `surface-opacity-${name}`,
       ...gesture(app.connection, () => set({opacity: this.opacity_.value}))});
     /** @private */
     this.opacityText_ = h('span', {class: 'number muted amount'});
@@ -98,17 +111,17 @@ export class SurfaceCard {
     this.certified_ = '';
     /** @private */
     this.compare_ = h('button', {'aria-pressed': false, 'data-testid': `surface-compare-${name}`,
-      title: 'Shows only the cells where the watertight tables and the tables of 1987 differ',
-      onclick: () => void this.compareClicked_()}, 'Compare with 1987');
+      title: say`Shows only the cells where the watertight tables and the tables of 1987 differ`,
+      onclick: () => void this.compareClicked_()}, say`Compare with 1987`);
     /** @private */
     this.more_ = h('div', {class: 'more', id: `${id}-more`},
-      h('label', {class: 'row'}, h('span', {class: 'field'}, 'Opacity'), this.opacity_,
+      h('label', {class: 'row'}, h('span', {class: 'field'}, say`Opacity`), this.opacity_,
         this.opacityText_),
-      h('label', {class: 'row'}, h('span', {class: 'field'}, 'Parts'), this.parts_),
+      h('label', {class: 'row'}, h('span', {class: 'field'}, say`Parts`), this.parts_),
       this.facts_, this.legend_, this.certificate_,
       h('div', {class: 'row'}, this.compare_, h('span', {class: 'grow'}),
         h('button', {class: 'quiet', 'data-testid': `surface-remove-${name}`,
-          onclick: () => void app.connection.do(`remove ${word(name)}`)}, 'Remove')));
+          onclick: () => void app.connection.do(`remove ${word(name)}`)}, say`Remove`)));
     this.root = h('li', {class: 'surface', 'data-testid': id},
       h('div', {class: 'row'}, h('label', {class: 'tick'}, this.visible_), this.color_,
         this.title_, this.iso_), this.more_);
@@ -135,18 +148,14 @@ export class SurfaceCard {
     this.iso_.title = String(surface.isovalue);
     show(this.opacity_, String(surface.opacity));
     this.opacityText_.textContent = percent(surface.opacity);
-    const isFiltered = surface.components !== '' && surface.components !== 'all';
     this.facts_.textContent = surface.triangles === 0
-      ? `No surface at this value${outside(surface.isovalue, this.app_.store.state?.volume)}.`
-      : `${counted(surface.triangles, 'triangle')}, ${grouped(surface.area_mm2 / 100, 1)} cm², `
-        + `${grouped(surface.volume_ml, 1)} ml${isFiltered ? ' (all parts)' : ''}, `
-        + `extracted in ${grouped(surface.extraction_ms, 0)} ms`;
+      ? nothingAt(surface.isovalue, this.app_.store.state?.volume) : sizes(surface);
     // Files of an open mesh have no volume, so the card says what it counts.
-    this.facts_.title = 'The volume inside the surface, as far as the scan reaches';
-    const table = surface.table === 'watertight' ? '' : `, table ${surface.table}`;
-    this.title_.title = `${surface.name}${table}`;
-    this.parts_.title = surface.components;
+    this.facts_.title = say`The volume inside the surface, as far as the scan reaches`;
+    this.title_.title = surface.table === 'watertight' ? surface.name
+      : say`${surface.name}, table ${surface.table}`;
     this.showParts_(surface.components);
+    this.parts_.title = this.parts_.value === 'other' ? surface.components : '';
     const certified = `${surface.isovalue} ${surface.table}`;
     if (certified !== this.certified_) {
       this.certified_ = certified;
@@ -165,8 +174,8 @@ export class SurfaceCard {
    */
   showLegend_(compared) {
     this.legend_.hidden = compared.length === 0;
-    this.legend_.replaceChildren(this.difference_, `Only these cells are shown. ${this.name_} is `
-      + 'hidden until you end the comparison.', ...compared.map(each => {
+    this.legend_.replaceChildren(this.difference_, say`Only these cells are shown.
+      ${this.name_} is hidden until you end the comparison.`, ...compared.map(each => {
       const swatch = h('span', {class: 'swatch'});
       swatch.style.background = each.color;
       return h('span', {}, swatch, TABLE_NAMES.get(each.table) ?? each.table);
@@ -185,12 +194,12 @@ export class SurfaceCard {
   /** @private */
   makeParts_() {
     const select = h('select', {class: 'grow', 'data-testid': `surface-components-${this.name_}`,
-      'aria-label': `Parts of ${this.name_} to draw`},
-      h('option', {value: 'show=all'}, 'all'),
-      h('option', {value: 'show=largest'}, 'largest only'),
-      ...LEAST_ML.map(ml => h('option', {value: `min_ml=${ml}`}, `at least ${ml} ml`)),
-      h('option', {value: 'at'}, 'click to choose …'),
-      h('option', {value: 'other', hidden: true}, ''));
+      'aria-label': say`Parts of ${this.name_} to draw`},
+      h('option', {value: 'show=all'}, say`all`),
+      h('option', {value: 'show=largest'}, say`largest only`),
+      ...LEAST_ML.map(ml => h('option', {value: `min_ml=${ml}`}, say`at least ${ml} ml`)),
+      h('option', {value: 'at'}, say`click to choose …`),
+      h('option', {...ENGLISH, value: 'other', hidden: true}, ''));
     select.addEventListener('change', () => {
       if (select.value === 'at') {
         this.askForPart_();
@@ -206,7 +215,7 @@ export class SurfaceCard {
   askForPart_() {
     const {connection, modes} = this.app_;
     modes.enter({name: 'part', surface: this.name_,
-      hint: `Click the part of ${this.name_} to keep.`,
+      hint: say`Click the part of ${this.name_} to keep.`,
       click: (x, y) => {
         modes.leave('part');
         void connection.do(`components ${word(this.name_)} at=${x},${y}`);
@@ -224,7 +233,7 @@ export class SurfaceCard {
     const known = words === '' ? 'show=all' : words.includes('=') ? words : `show=${words}`;
     const other = /** @type {HTMLOptionElement} */ (this.parts_.lastElementChild);
     const isKnown = [...this.parts_.options].some(each => each.value === known);
-    other.textContent = words;
+    other.textContent = isKnown ? '' : words;
     this.parts_.value = isKnown ? known : 'other';
   }
 
@@ -232,14 +241,14 @@ export class SurfaceCard {
   offerCertificate_() {
     this.certificate_.replaceChildren(h('button', {
       'data-testid': `surface-certify-${this.name_}`,
-      title: 'Checks whether the mesh is closed, manifold and consistently oriented',
-      onclick: () => void this.certify_()}, 'Check mesh'));
+      title: say`Checks whether the mesh is closed, manifold and consistently oriented`,
+      onclick: () => void this.certify_()}, say`Check mesh`));
   }
 
   /** @private */
   async certify_() {
     const of = this.certified_;
-    this.certificate_.replaceChildren(h('span', {class: 'muted'}, 'Checking …'));
+    this.certificate_.replaceChildren(h('span', {class: 'muted'}, say`Checking …`));
     const reply = await this.app_.connection.do(`certificate ${word(this.name_)}`);
     if (of !== this.certified_) {
       return;
@@ -250,14 +259,14 @@ export class SurfaceCard {
       return;
     }
     if (facts.triangles === 0) {
-      this.certificate_.replaceChildren(h('span', {class: 'muted'}, 'No triangles to check.'));
+      this.certificate_.replaceChildren(h('span', {class: 'muted'}, say`No triangles to check.`));
       return;
     }
     const isSound = facts.closed_but_for_border && facts.manifold && facts.oriented;
     const [first, ...rest] = (reply.text ?? '').split('\n');
     this.certificate_.replaceChildren(h('details', {},
       h('summary', {}, h('span', {class: isSound ? 'seal good' : 'seal bad'},
-        isSound ? '✓ sound' : '✗ defects'), ` ${rewritten(first.replace(/^[^:]*:\s*/, ''))}`),
+        isSound ? say`✓ sound` : say`✗ defects`), ` ${rewritten(first.replace(/^[^:]*:\s*/, ''))}`),
       h('p', {class: 'muted report'}, rewritten(rest.map(line => line.trim()).join('\n')))));
   }
 
@@ -267,9 +276,9 @@ export class SurfaceCard {
     const reply = await this.app_.connection.do(
       `compare ${word(this.name_)}${isOn ? ' off' : ''}`);
     // The rest of the reply repeats what the card shows.
-    const counted = reply.result?.cells_differing;
-    this.difference_.textContent = counted === undefined ? ''
-      : `The tables differ in ${grouped(counted)} of ${grouped(reply.result.cells)} cells.`;
+    const differing = reply.result?.cells_differing;
+    this.difference_.textContent = differing === undefined ? ''
+      : say`The tables differ in ${grouped(differing)} of ${grouped(reply.result.cells)} cells.`;
     this.difference_.title = reply.text ?? '';
   }
 }

@@ -1,7 +1,8 @@
 // The list of surfaces, tissues to add, and the mode that picks a tissue.
 import {byId, h} from '../elements/dom.js';
-import {counted, short} from '../elements/numbers.js';
+import {grouped, short} from '../elements/numbers.js';
 import {isoCommand, roundIso, toLine, word} from '../link/lines.js';
+import {plural, say} from '../texts/say.js';
 import {mayBeHounsfield} from './bands.js';
 import {SurfaceCard} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
@@ -12,6 +13,16 @@ import {LIMITS} from '../link/vocabulary.js';
 /** @typedef {{name: string, isovalue: number, help: string}} Tissue */
 
 const ANNOUNCE_MS = 800;
+/** Tissues of the command `presets`: how the page writes the name and the help of each. */
+const TISSUE_WORDS = /** @type {Record<string, [string, string]>} */ ({
+  lung: [say`lung`, say`air-filled tissue against the chest's soft parts`],
+  skin: [say`skin`, say`the body against the air around it`],
+  fat: [say`fat`, say`outside of fat`],
+  muscle: [say`muscle`, say`between fat and muscle`],
+  bone: [say`bone`, say`all bone; contrast-filled vessels too`],
+  cortex: [say`cortex`, say`dense bone and teeth`],
+  metal: [say`metal`, say`implants, fillings`],
+});
 
 /**
  * @param {HTMLElement} root
@@ -25,16 +36,17 @@ export function createSurfaces(root, app, selection) {
   const list = h('ul', {id: 'surfaces', 'data-testid': 'surfaces'});
   const empty = h('p', {class: 'muted', 'data-testid': 'no-surfaces'});
   const add = h('button', {class: 'quiet', 'data-testid': 'surface-add',
-    title: 'Add a surface at the middle of the value range',
+    title: say`Add a surface at the middle of the value range`,
     onclick: () => addSurface(app, selection)},
-    '+ Add');
-  root.append(h('h2', {class: 'spread'}, h('span', {}, 'Surfaces'), add), list, empty);
+    say`+ Add`);
+  root.append(h('h2', {class: 'spread'}, h('span', {}, say`Surfaces`), add), list, empty);
   app.store.subscribe(['surfaces', 'volume'], state => {
     const own = state.surfaces.filter(each => each.compared_with === '');
     selection.keepTo(own);
     empty.hidden = own.length > 0 || !state.volume;
     empty.textContent = state.volume && mayBeHounsfield(state.volume)
-      ? 'No surfaces. Add a surface, or choose a tissue above.' : 'No surfaces. Add a surface.';
+      ? say`No surfaces. Add a surface, or choose a tissue above.`
+      : say`No surfaces. Add a surface.`;
     add.disabled = !state.volume || own.length >= LIMITS.max_user_surfaces;
     for (const [name, card] of cards) {
       if (!own.some(each => each.name === name)) {
@@ -68,9 +80,10 @@ function announcer() {
       for (const {name, isovalue} of surfaces) {
         told.set(name, isovalue);
       }
-      byId('live').textContent = changed.map(each =>
-        `${each.name} at ${short(each.isovalue, 3)}: `
-          + counted(each.triangles, 'triangle')).join('; ');
+      byId('live').textContent = changed.map(({name, isovalue, triangles}) => {
+        const mesh = plural(triangles, say`1 triangle`, say`${grouped(triangles)} triangles`);
+        return say`${name} at ${short(isovalue, 3)}: ${mesh}`;
+      }).join('; ');
     }, ANNOUNCE_MS);
   };
 }
@@ -105,25 +118,28 @@ async function addSurface(app, selection) {
  * @param {Selection} selection
  */
 export function createTissues(root, app, selection) {
-  const chips = h('div', {class: 'chips', role: 'group', 'aria-label': 'Tissues'});
+  const chips = h('div', {class: 'chips', role: 'group', 'aria-label': say`Tissues`});
   const pick = h('button', {'data-testid': 'tissue-mode', 'aria-pressed': false,
-    onclick: () => toggleTissueMode(app, selection)}, 'Pick tissue');
+    onclick: () => toggleTissueMode(app, selection)}, say`Pick tissue`);
   root.append(chips, h('div', {class: 'row drives'}, pick));
   app.modes.watch(mode => pick.setAttribute('aria-pressed', String(mode?.name === 'tissue')));
   selection.watch(name => {
     pick.disabled = name === '';
-    pick.title = `Click tissue to set the isovalue of ${name || 'a surface'}`;
+    pick.title = name === '' ? say`Click tissue to set the isovalue of a surface`
+      : say`Click tissue to set the isovalue of ${name}`;
   });
   /** @type {Tissue[]} */
   let tissues = [];
   const draw = (/** @type {State} */ {volume}) => {
     chips.hidden = !volume || !mayBeHounsfield(volume);
     const {minimum, maximum} = volume ?? {minimum: 0, maximum: 0};
-    chips.replaceChildren(...tissues.map(({name, isovalue, help}) => h('button', {
-      class: 'chip', 'data-testid': `preset-${name}`,
-      title: `${name}: ${help} (${short(isovalue)} HU)`,
-      disabled: isovalue <= minimum || isovalue > maximum,
-      onclick: () => showTissue(app, selection, name)}, name)));
+    chips.replaceChildren(...tissues.map(({name, isovalue, help}) => {
+      const [title, meaning] = TISSUE_WORDS[name] ?? [name, help];
+      return h('button', {class: 'chip', 'data-testid': `preset-${name}`,
+        title: `${title}: ${meaning} (${short(isovalue)} HU)`,
+        disabled: isovalue <= minimum || isovalue > maximum,
+        onclick: () => showTissue(app, selection, name)}, title);
+    }));
   };
   app.store.subscribe(['volume'], async state => {
     draw(state);
@@ -161,7 +177,7 @@ function toggleTissueMode({connection, modes, store}, selection) {
   const name = selection.name;
   modes.enter({
     name: 'tissue', surface: name,
-    hint: `Click tissue, here or in a slice, to set the isovalue of ${name}.`,
+    hint: say`Click tissue, here or in a slice, to set the isovalue of ${name}.`,
     click: (x, y) => {
       connection.mark();
       void connection.do(`pick ${x} ${y} set=${word(name)}`);

@@ -1,6 +1,7 @@
 // The part of the values that the histogram shows.
 import {h} from '../elements/dom.js';
 import {timesOf} from '../elements/wheel.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {{low: number, high: number}} Range  Values; low is less than high. */
 
@@ -76,13 +77,13 @@ export class Zoom {
       h('button', {class: 'quiet icon', 'data-testid': id, 'aria-label': label, title: label,
         onclick}, text);
     /** @private */
-    this.showsMore_ = button('values-more', '−', 'Show more values', () => this.showMore_());
+    this.showsMore_ = button('values-more', '−', say`Show more values`, () => this.showMore_());
     /** @private */
     this.showsFewer_ = button('values-fewer', '+',
-      'Show fewer values, around the isovalue of the chosen surface', () => this.showFewer_());
+      say`Show fewer values, around the isovalue of the chosen surface`, () => this.showFewer_());
     /** @private */
-    this.whole_ = button('values-all', 'All', 'Show all values', () => this.show_(this.all_));
-    this.buttons = h('span', {class: 'row', role: 'group', 'aria-label': 'Values shown'},
+    this.whole_ = button('values-all', say`All`, say`Show all values`, () => this.show_(this.all_));
+    this.buttons = h('span', {class: 'row', role: 'group', 'aria-label': say`Values shown`},
       this.showsMore_, this.showsFewer_, this.whole_);
     svg.addEventListener('wheel', event => this.wheel_(event), {passive: false});
     svg.addEventListener('pointerdown', event => this.grab_(event));

@@ -1,5 +1,6 @@
 // The card of the tour: the step's text, links to all steps, and buttons.
 import {byId, h, setText, update} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {STEP_COUNT, hashOf} from './address.js';
 import {STEPS} from './texts.js';
 
@@ -21,13 +22,14 @@ export class Card {
       'data-testid': 'tour-message'});
     /** @private */
     this.again_ = h('button', {type: 'button', hidden: true, 'data-testid': 'tour-again',
-      onclick: again}, 'Ask again');
+      onclick: again}, say`Ask again`);
     /** @private */
-    this.links_ = STEPS.map(({title}, index) => h('a', {'aria-label': `Step ${index + 1}: ${title}`,
-      title, 'data-testid': `tour-link-${index + 1}`}, index + 1));
+    this.links_ = STEPS.map(({title}, index) => h('a', {title,
+      'aria-label': say`Step ${index + 1}: ${title}`, 'data-testid': `tour-link-${index + 1}`},
+    index + 1));
     /** @private */
     this.back_ = h('button', {type: 'button', 'data-testid': 'tour-back',
-      onclick: () => go(this.step_ - 1)}, 'Back');
+      onclick: () => go(this.step_ - 1)}, say`Back`);
     /** @private */
     this.next_ = h('button', {type: 'button', class: 'primary', 'data-testid': 'tour-next',
       onclick: () => this.step_ < STEP_COUNT ? go(this.step_ + 1) : close()});
@@ -36,11 +38,11 @@ export class Card {
     this.element = h('section', {id: 'tour', 'aria-labelledby': 'tour-title', hidden: true,
       'data-testid': 'tour'},
     h('div', {class: 'row spread'}, this.count_, h('button', {class: 'quiet icon',
-      'aria-label': 'Close the tour', title: 'Close the tour (Esc)', 'data-testid': 'tour-close',
-      onclick: close}, '×')),
+      'aria-label': say`Close the tour`, title: say`Close the tour (Esc)`,
+      'data-testid': 'tour-close', onclick: close}, '×')),
     this.title, this.text_, h('div', {class: 'row wrap'}, this.message_, this.again_),
     h('div', {class: 'row wrap'},
-      h('nav', {class: 'tour-steps', 'aria-label': 'Steps of the tour'}, ...this.links_),
+      h('nav', {class: 'tour-steps', 'aria-label': say`Steps of the tour`}, ...this.links_),
       h('span', {class: 'grow'}), this.back_, this.next_));
     this.element.addEventListener('keydown', event => {
       if (event.key === 'Escape') {
@@ -58,9 +60,9 @@ export class Card {
   show(step, pixel) {
     this.step_ = step;
     this.element.hidden = false;
-    setText(this.count_, `Tour of the machine: step ${step} of ${STEP_COUNT}`);
+    setText(this.count_, say`Tour of the machine: step ${step} of ${STEP_COUNT}`);
     setText(this.title, STEPS[step - 1].title);
-    setText(this.next_, step < STEP_COUNT ? 'Next' : 'Close');
+    setText(this.next_, step < STEP_COUNT ? say`Next` : say`Close`);
     this.back_.disabled = step === 1;
     this.links_.forEach((link, index) => {
       link.href = hashOf(index + 1, pixel);

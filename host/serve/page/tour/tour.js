@@ -1,6 +1,7 @@
 // The tour of the machine: follows one pixel of the scene through the machine, in six steps. The
 // panels ask the machine; the tour opens them and puts their answers into words.
 import {byId} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 import {hashOf, stepOf} from './address.js';
 import {Card} from './card.js';
 import {evaluationOf, sentPixels, shownOf} from './facts.js';
@@ -14,15 +15,15 @@ import {STEPS} from './texts.js';
 
 const DEADLINE_MS = 20_000;     // For the answers of a step.
 const CLOCK = STEPS.length;     // The step that needs an estimate, and no pixel.
-const NO_SURFACE = 'The tour found no surface in the picture. Show a surface, or move it to the '
-  + 'middle of the picture. The tour then continues.';
-const NO_ANSWER = 'The machine has not answered for 20 s.';
-const ASKING = 'Asking the machine …';
-const CHANGED = 'The picture has changed. Asking the machine again …';
-const OUTSIDE = 'The pixel of this address is outside of the picture. The tour follows another '
-  + 'pixel.';
-const WATCHES = 'A view-only page cannot ask about a pixel. These are the numbers that every page '
-  + 'gets.';
+const NO_SURFACE = say`The tour found no surface in the picture. Show a surface, or move it to the
+  middle of the picture. The tour then continues.`;
+const NO_ANSWER = say`The machine has not answered for 20 s.`;
+const ASKING = say`Asking the machine …`;
+const CHANGED = say`The picture has changed. Asking the machine again …`;
+const OUTSIDE = say`The pixel of this address is outside of the picture. The tour follows another
+  pixel.`;
+const WATCHES = say`A view-only page cannot ask about a pixel. These are the numbers that every page
+  gets.`;
 
 class Tour {
   /**

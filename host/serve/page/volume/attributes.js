@@ -1,6 +1,7 @@
 // The DICOM attributes of the open scan's middle file, in a dialog with a filter.
 import {h} from '../elements/dom.js';
-import {counted, grouped} from '../elements/numbers.js';
+import {grouped} from '../elements/numbers.js';
+import {plural, say} from '../texts/say.js';
 import {UPLOAD} from './words.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -36,18 +37,18 @@ export function isFound([group, element, , keyword, vr, value], filter) {
 export function createAttributes(app) {
   const rows = h('tbody');
   const table = h('table', {class: 'attributes', 'data-testid': 'attributes-table'},
-    h('thead', {}, h('tr', {}, ...['Tag', 'Attribute', 'VR', 'Value'].map(name =>
-      h('th', {scope: 'col'}, name)))), rows);
+    h('thead', {}, h('tr', {}, ...[say`Tag`, say`Attribute`, say`VR`, say`Value`].map(
+      name => h('th', {scope: 'col'}, name)))), rows);
   const told = h('p', {class: 'muted told', role: 'status', 'data-testid': 'attributes-told'});
   const filter = h('input', {type: 'text', class: 'grow', autocomplete: 'off',
     spellcheck: 'false', 'data-testid': 'attributes-filter', oninput: () => draw()});
-  const dialog = h('dialog', {id: 'attributes', 'aria-label': 'DICOM attributes',
+  const dialog = h('dialog', {id: 'attributes', 'aria-label': say`DICOM attributes`,
     'data-testid': 'attributes'},
-    h('div', {class: 'row spread'}, h('h2', {}, 'DICOM attributes'),
-      h('button', {class: 'quiet icon', 'aria-label': 'Close', onclick: () => dialog.close()},
+    h('div', {class: 'row spread'}, h('h2', {}, say`DICOM attributes`),
+      h('button', {class: 'quiet icon', 'aria-label': say`Close`, onclick: () => dialog.close()},
         '×')),
-    h('label', {class: 'row'}, 'Filter', filter), told,
-    h('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Attributes'}, table));
+    h('label', {class: 'row'}, say`Filter`, filter), told,
+    h('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': say`Attributes`}, table));
   dialog.addEventListener('click', event => {
     if (event.target === dialog) {
       dialog.close();
@@ -62,15 +63,14 @@ export function createAttributes(app) {
     }
     const found = answer.attributes.filter(each => isFound(each, filter.value.trim()));
     rows.replaceChildren(...found.map(rowOf));
-    told.textContent = `${grouped(found.length)} of `
-      + `${counted(answer.attributes.length, 'attribute')} of the middle slice, `
-      + `${answer.file.split('/').at(-1)}.`
-      + (answer.is_whole ? '' : ' The file has more, which are not listed.');
+    told.textContent = countText(found.length, answer.attributes.length,
+      answer.file.split('/').at(-1) ?? '')
+      + (answer.is_whole ? '' : ` ${say`The file has more, which are not listed.`}`);
   };
   const show = async () => {
     answer = null;
     rows.replaceChildren();
-    told.textContent = 'Reading …';
+    told.textContent = say`Reading …`;
     dialog.showModal();
     filter.focus();
     try {
@@ -81,16 +81,26 @@ export function createAttributes(app) {
     }
   };
   return h('button', {'data-testid': 'attributes-show', onclick: () => void show()},
-    'DICOM attributes …');
+    say`DICOM attributes …`);
+}
+
+/**
+ * @param {number} found
+ * @param {number} all
+ * @param {string} file
+ */
+function countText(found, all, file) {
+  return plural(all, say`${grouped(found)} of 1 attribute of the middle slice, ${file}.`,
+    say`${grouped(found)} of ${grouped(all)} attributes of the middle slice, ${file}.`);
 }
 
 /** @param {Attribute} attribute */
 function rowOf([group, element, depth, keyword, vr, value, isCut]) {
   return h('tr', {},
     h('td', {class: 'mono'}, `${'› '.repeat(depth)}${tagText(group, element)}`),
-    h('td', {}, ...keyword ? words(keyword) : [group % 2 === 1 ? 'private' : '']),
+    h('td', {}, ...keyword ? words(keyword) : [group % 2 === 1 ? say`private` : '']),
     h('td', {}, vr),
-    h('td', {class: 'value'}, value, isCut && h('span', {class: 'muted'}, ' … (cut)')));
+    h('td', {class: 'value'}, value, isCut && h('span', {class: 'muted'}, ` ${say`… (cut)`}`)));
 }
 
 /**

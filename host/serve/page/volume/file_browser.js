@@ -1,6 +1,7 @@
 // The folders of the server's computer that the page may read, as a list in the dialog Open.
-import {h, setText} from '../elements/dom.js';
-import {counted, grouped} from '../elements/numbers.js';
+import {DATA, h, setText} from '../elements/dom.js';
+import {grouped} from '../elements/numbers.js';
+import {plural, say} from '../texts/say.js';
 import {dateText, sizeText} from './words.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -17,6 +18,9 @@ import {dateText, sizeText} from './words.js';
 /** Rows that Page Up and Page Down pass. */
 const PAGE_ROWS = 8;
 const FIND_WAIT_MS = 150;
+/** Kinds of files that are no names of formats. */
+const KINDS = new Map([['NIfTI header', say`NIfTI header`], ['archive', say`archive`],
+  ['no suffix', say`no suffix`], ['', say`other`]]);
 
 /**
  * @param {App} app
@@ -51,16 +55,16 @@ class FileBrowser {
     this.findTimer_ = 0;
     /** @private */
     this.list_ = h('ul', {class: 'listing', role: 'listbox', tabindex: 0,
-      'aria-label': 'Folders and volumes', 'data-testid': 'browse-list',
+      'aria-label': say`Folders and volumes`, 'data-testid': 'browse-list',
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.takeKey_(event)});
     /** @private */
-    this.up_ = h('button', {type: 'button', class: 'quiet icon', 'aria-label': 'Folder above',
-      title: 'Folder above (Backspace)', 'data-testid': 'browse-up',
+    this.up_ = h('button', {type: 'button', class: 'quiet icon', 'aria-label': say`Folder above`,
+      title: say`Folder above (Backspace)`, 'data-testid': 'browse-up',
       onclick: () => void this.goUp_()}, '↑');
     /** @private */
-    this.where_ = h('output', {class: 'grow where', 'data-testid': 'browse-path'});
+    this.where_ = h('output', {...DATA, class: 'grow where', 'data-testid': 'browse-path'});
     /** @private */
-    this.find_ = h('input', {type: 'text', class: 'find', title: 'Part of a name',
+    this.find_ = h('input', {type: 'text', class: 'find', title: say`Part of a name`,
       autocomplete: 'off', spellcheck: 'false',
       'data-testid': 'browse-find', oninput: () => this.findSoon_(),
       onkeydown: (/** @type {KeyboardEvent} */ event) => this.takeFindKey_(event)});
@@ -71,11 +75,11 @@ class FileBrowser {
     this.told_ = h('p', {class: 'muted told', role: 'status', 'data-testid': 'browse-told'});
     /** @private What makes sense only if a folder is allowed. */
     this.parts_ = [h('div', {class: 'row'}, this.up_, this.where_,
-      h('label', {class: 'row'}, 'Find', this.find_)), this.list_,
-      h('label', {class: 'row'}, this.all_, 'All files')];
+      h('label', {class: 'row'}, say`Find`, this.find_)), this.list_,
+      h('label', {class: 'row'}, this.all_, say`All files`)];
     const [bar, list, all] = this.parts_;
     this.root = h('div', {class: 'browser', role: 'group', 'data-testid': 'browse',
-      'aria-label': 'Folders that this page may read', hidden: true},
+      'aria-label': say`Folders that this page may read`, hidden: true},
       bar, list, h('div', {class: 'row'}, this.told_, all));
   }
 
@@ -131,7 +135,7 @@ class FileBrowser {
     const allowsNone = listing.path === '' && listing.entries.length === 0;
     this.parts_.forEach(part => { part.hidden = allowsNone; });
     this.up_.disabled = listing.above === null;
-    setText(this.where_, listing.path || 'Allowed folders');
+    setText(this.where_, listing.path || say`Allowed folders`);
     setText(this.told_, toldOf(listing, this.find_.value.trim()));
   }
 
@@ -153,8 +157,9 @@ class FileBrowser {
         }
       },
       ondblclick: () => entry.is_folder || this.acts_.open()},
-      h('span', {class: 'name', title: entry.name}, entry.name),
-      h('span', {class: 'muted kind'}, entry.is_folder ? 'folder' : entry.kind || 'other'),
+      h('span', {...DATA, class: 'name', title: entry.name}, entry.name),
+      h('span', {class: 'muted kind'},
+        entry.is_folder ? say`folder` : KINDS.get(entry.kind) ?? entry.kind),
       h('span', {class: 'muted number'}, entry.bytes === null ? '' : sizeText(entry.bytes)),
       h('span', {class: 'muted number'},
         entry.modified_s === null ? '' : dateText(entry.modified_s)));
@@ -257,27 +262,52 @@ class FileBrowser {
 export function toldOf(listing, find) {
   const {entries, more, other_files: others, links_out: links, odd_names: odd} = listing;
   if (listing.path === '' && entries.length === 0) {
-    return 'This server allows no folder. Start pxpl5 serve with --allow DIR, or open files from '
-      + 'this computer.';
+    return say`This server allows no folder. Start pxpl5 serve with --allow DIR, or open files from
+      this computer.`;
   }
-  const matching = find === '' ? '' : ` with "${find}"`;
-  const sentences = [more > 0
-    ? `The first ${grouped(entries.length)} of `
-      + `${grouped(entries.length + more)} entries${matching}. Type a part of a name `
-      + 'to find others.'
-    : entries.length === 0 ? `Nothing to open here${matching}.`
-      : `${entries.length === 1 ? '1 entry' : `${grouped(entries.length)} entries`}${matching}.`];
+  const sentences = [find === '' ? allText(entries.length, more)
+    : foundText(entries.length, more, find)];
   if (!listing.is_whole) {
-    sentences.push('The folder is too long: a part of it was not searched.');
+    sentences.push(say`The folder is too long: a part of it was not searched.`);
   }
   if (others > 0) {
-    sentences.push(`${counted(others, 'other file')} not shown.`);
+    sentences.push(plural(others, say`1 other file not shown.`,
+      say`${grouped(others)} other files not shown.`));
   }
   if (links > 0) {
-    sentences.push(`${counted(links, 'link')} to places that this page may not read.`);
+    sentences.push(plural(links, say`1 link to places that this page may not read.`,
+      say`${grouped(links)} links to places that this page may not read.`));
   }
   if (odd > 0) {
-    sentences.push(`${counted(odd, 'name')} that cannot be shown.`);
+    sentences.push(plural(odd, say`1 name that cannot be shown.`,
+      say`${grouped(odd)} names that cannot be shown.`));
   }
   return sentences.join(' ');
+}
+
+/**
+ * @param {number} count  Of listed entries.
+ * @param {number} more   Entries that are not listed.
+ */
+function allText(count, more) {
+  if (more > 0) {
+    return say`The first ${grouped(count)} of ${grouped(count + more)} entries. Type a part of a
+      name to find others.`;
+  }
+  return count === 0 ? say`Nothing to open here.`
+    : plural(count, say`1 entry.`, say`${grouped(count)} entries.`);
+}
+
+/**
+ * @param {number} count
+ * @param {number} more
+ * @param {string} find  What the names contain.
+ */
+function foundText(count, more, find) {
+  if (more > 0) {
+    return say`The first ${grouped(count)} of ${grouped(count + more)} entries with "${find}". Type
+      a part of a name to find others.`;
+  }
+  return count === 0 ? say`Nothing to open here with "${find}".`
+    : plural(count, say`1 entry with "${find}".`, say`${grouped(count)} entries with "${find}".`);
 }

@@ -2,6 +2,7 @@
 // browser unpacks dropped ZIP archives.
 import {h} from '../elements/dom.js';
 import {word} from '../link/lines.js';
+import {say} from '../texts/say.js';
 import {createFileBrowser} from './file_browser.js';
 import {createOptions} from './open_options.js';
 import {createRecentFiles, rememberFile} from './recent_files.js';
@@ -14,12 +15,12 @@ import {UPLOAD} from './words.js';
 /** @typedef {import('./upload.js').Named} Named */
 
 const PHANTOMS = [
-  {name: 'pelvis', about: 'CT of skin and bone, as in the paper'},
-  {name: 'head', about: 'CT of a head with fine structures'},
-  {name: 'fetus', about: 'Ultrasound, noisy'},
-  {name: 'letters', about: 'Shows left and right in every view'},
-  {name: 'torus', about: 'Known area and volume'},
-  {name: 'sphere', about: 'Known area and volume'},
+  {name: 'pelvis', about: say`CT of skin and bone, as in the paper`},
+  {name: 'head', about: say`CT of a head with fine structures`},
+  {name: 'fetus', about: say`Ultrasound, noisy`},
+  {name: 'letters', about: say`Shows left and right in every view`},
+  {name: 'torus', about: say`Known area and volume`},
+  {name: 'sphere', about: say`Known area and volume`},
 ];
 
 /**
@@ -36,7 +37,7 @@ export function createOpenDialog(app) {
   let isLoading = false;
   let dropped = '';  // Path of the files that were not opened: options may be missing.
   /** @param {string} text  Why nothing was opened. */
-  const say = text => {
+  const tell = text => {
     wrong.textContent = text;
     wrong.hidden = text === '';
     series.show('', '', () => {});
@@ -68,7 +69,7 @@ export function createOpenDialog(app) {
       return;
     }
     const error = (reply.error ?? '').replace(UPLOAD, '');
-    say(error);
+    tell(error);
     [path.value, dropped] = UPLOAD.test(source) ? ['', source] : [source, ''];
     const isChoice = series.show(error, source, number => {
       options.set('series', number);
@@ -83,8 +84,8 @@ export function createOpenDialog(app) {
   app.session.ask = ({name, script}, why) => {
     path.value = sourceOf(script).replace(UPLOAD, '');
     options.clear();
-    say(`${why.replace(UPLOAD, '').replace(/\.?$/, '.')} The session ${name} continues with `
-      + 'the files that you choose or drop here.');
+    tell(say`${why.replace(UPLOAD, '').replace(/\.?$/, '.')} The session ${name} continues with
+      the files that you choose or drop here.`);
   };
   const dismiss = () => {
     app.session.wanting = null;
@@ -125,24 +126,24 @@ export function createOpenDialog(app) {
   });
   const files = fileInput(open, false), folder = fileInput(open, true);
   dialog.append(
-    h('div', {class: 'row spread'}, h('h2', {id: 'open-title'}, 'Open a volume'),
-      h('button', {class: 'quiet icon', 'aria-label': 'Close',
+    h('div', {class: 'row spread'}, h('h2', {id: 'open-title'}, say`Open a volume`),
+      h('button', {class: 'quiet icon', 'aria-label': say`Close`,
         onclick: dismiss}, '×')),
     h('form', {method: 'dialog', onsubmit: (/** @type {Event} */ event) => {
       event.preventDefault();
       openPath();
     }},
-      h('label', {for: 'open-path'}, 'File or DICOM folder on the computer that runs pxpl5'),
+      h('label', {for: 'open-path'}, say`File or DICOM folder on the computer that runs pxpl5`),
       h('div', {class: 'row'}, path,
-        h('button', {class: 'primary', 'data-testid': 'open-go'}, 'Open')),
+        h('button', {class: 'primary', 'data-testid': 'open-go'}, say`Open`)),
       wrong, series.root, browser.root, recent.root, options.root),
-    h('p', {}, 'From this computer'),
+    h('p', {}, say`From this computer`),
     h('div', {class: 'drop row', 'data-testid': 'drop'},
-      h('span', {class: 'grow muted'}, 'Drop files, a DICOM folder or a ZIP archive anywhere on '
-        + 'the page, or'),
-      h('button', {onclick: () => files.click()}, 'Choose files'),
-      h('button', {onclick: () => folder.click()}, 'Choose a folder'), files, folder),
-    h('p', {}, 'Built in'),
+      h('span', {class: 'grow muted'}, say`Drop files, a DICOM folder or a ZIP archive anywhere on
+        the page, or`),
+      h('button', {onclick: () => files.click()}, say`Choose files`),
+      h('button', {onclick: () => folder.click()}, say`Choose a folder`), files, folder),
+    h('p', {}, say`Built in`),
     h('div', {class: 'cards'}, ...PHANTOMS.map(({name, about}) => h('button', {class: 'card',
       'data-testid': `phantom-${name}`, onclick: () => openPhantom(name)},
       h('strong', {}, name), h('span', {class: 'muted'}, about)))));
@@ -157,7 +158,7 @@ export function createOpenDialog(app) {
     if (!app.connection.watches) {
       app.session.wanting = null;
       dropped = '';
-      say('');
+      tell('');
       path.focus();
     }
   };
@@ -182,6 +183,7 @@ function watchDrops(open) {
   const hold = (/** @type {DragEvent} */ event) => {
     if (event.dataTransfer?.types.includes('Files')) {
       event.preventDefault();
+      document.body.dataset.drop = say`Drop to open`;
       document.body.classList.toggle('dropping', event.type !== 'dragleave'
         || event.relatedTarget !== null);
     }

@@ -1,5 +1,6 @@
 // Hints before a scan is shared: a patient's name, and a face.
 import {h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /**
@@ -25,21 +26,22 @@ const SHOWS_SKIN = new Set(['CT', 'MR', '']);
 export function privacyText({isDicom, hasName, modality, bodyPart}) {
   const sentences = [];
   if (hasName) {
-    sentences.push('The header of this scan contains a patient\'s name. So may the names of its '
-      + 'files and folders, other attributes, and the pictures. Check them before you share '
-      + 'anything.');
+    sentences.push(say`The header of this scan contains a patient's name. So may the names of its
+      files and folders, other attributes, and the pictures. Check them before you share
+      anything.`);
   } else if (!isDicom) {
-    sentences.push('This page cannot tell whether the file names a patient.');
+    sentences.push(say`This page cannot tell whether the file names a patient.`);
   }
-  const face = 'a face can be recognized from the surface of the skin.';
   const hasNoHead = bodyPart.toUpperCase().split(/[^A-Z]+/).every(word => NO_HEAD.test(word));
   if (SHOWS_SKIN.has(modality) && bodyPart === '') {
     if (isDicom) {
-      sentences.push('The header does not state the part of the body.');
+      sentences.push(say`The header does not state the part of the body.`);
     }
-    sentences.push(`If the scan shows a head, ${face}`);
+    sentences.push(say`If the scan shows a head, a face can be recognized from the surface of the
+      skin.`);
   } else if (SHOWS_SKIN.has(modality) && !hasNoHead) {
-    sentences.push(`The header states the part "${bodyPart}". If a head is seen, ${face}`);
+    sentences.push(say`The header states the part "${bodyPart}". If a head is seen, a face can be
+      recognized from the surface of the skin.`);
   }
   return sentences.join(' ');
 }
@@ -76,7 +78,7 @@ export function createPrivacyHint(app) {
     }
     const {series_identity: identity} = volume;
     known = identity;
-    root.textContent = 'Looking for a patient\'s name in the header …';
+    root.textContent = say`Looking for a patient's name in the header …`;
     root.hidden = false;
     /** @type {Facts} */
     let facts = {isDicom: false, hasName: false, modality: volume.modality, bodyPart: ''};

@@ -1,5 +1,6 @@
 // The files and folders that were opened from this page, kept by the browser for this server.
 import {h} from '../elements/dom.js';
+import {say} from '../texts/say.js';
 
 const MOST = 8;
 const KEY = `pxpl5.recent ${location.pathname}`;  // A portal has several servers at one host.
@@ -39,14 +40,14 @@ export function rememberFile(path) {
  */
 export function createRecentFiles(open) {
   const cards = h('div', {class: 'chips'});
-  const root = h('div', {class: 'recent', role: 'group', 'aria-label': 'Recently opened',
+  const root = h('div', {class: 'recent', role: 'group', 'aria-label': say`Recently opened`,
     'data-testid': 'recent', hidden: true},
-    h('div', {class: 'row spread'}, h('p', {class: 'muted'}, 'Recently opened'),
+    h('div', {class: 'row spread'}, h('p', {class: 'muted'}, say`Recently opened`),
       h('button', {type: 'button', class: 'quiet', 'data-testid': 'recent-clear',
-        title: 'This browser forgets these names', onclick: () => {
+        title: say`This browser forgets these names`, onclick: () => {
           keep([]);
           root.hidden = true;
-        }}, 'Clear')),
+        }}, say`Clear`)),
     cards);
   return {
     root,

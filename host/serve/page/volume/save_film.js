@@ -1,22 +1,23 @@
 // The part of the dialog "Save" that makes a film: a turntable, a sweep of an isovalue, or the
 // volumes of a time series.
-import {h} from '../elements/dom.js';
-import {counted, short} from '../elements/numbers.js';
+import {DATA, h} from '../elements/dom.js';
+import {grouped, short} from '../elements/numbers.js';
 import {saveAs} from '../elements/save_file.js';
 import {plain, word} from '../link/lines.js';
 import {address} from '../link/token.js';
+import {plural, say} from '../texts/say.js';
 import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, numberInput, sizeChoice, wrongLine}
   from './save_parts.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').SurfaceState} SurfaceState */
 
-const KINDS = /** @type {const} */ ([['turntable', 'Turntable'],
-  ['sweep', 'Sweep of an isovalue'], ['cine', 'Time series']]);
-const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['1280x720', '1280 × 720'],
-  ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'], [FREE, 'other size …']]);
-const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
-  ['black', 'black ground']]);
+const KINDS = /** @type {const} */ ([['turntable', say`Turntable`],
+  ['sweep', say`Sweep of an isovalue`], ['cine', say`Time series`]]);
+const SIZES = /** @type {const} */ ([['1', say`as on the screen`], ['1280x720', '1280 × 720'],
+  ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'], [FREE, say`other size …`]]);
+const GROUNDS = /** @type {const} */ ([['shown', say`ground as shown`],
+  ['white', say`white ground`], ['black', say`black ground`]]);
 const MOST_PICTURES = 10000;
 const MOST_RATE = 60;       // Pictures per second.
 // Volumes of a series that are so far apart are shown in real time, others at 25 per second.
@@ -42,33 +43,34 @@ class FilmPart {
   constructor(app, dialog) {
     this.app = app;
     this.dialog = dialog;
-    this.kind = choice(KINDS, 'Kind of film', 'film-kind');
+    this.kind = choice(KINDS, say`Kind of film`, 'film-kind');
     this.size = sizeChoice(SIZES, 'film-size');
-    this.samples = choice(SAMPLES, 'Samples per pixel of the film', 'film-samples');
-    this.ground = choice(GROUNDS, 'Ground of the film', 'film-ground');
-    this.surface = choice([], 'Surface', 'film-surface');
-    this.degrees = numberInput('Degrees', {value: 360, low: -MOST_DEGREES, high: MOST_DEGREES,
-      isWhole: false}, 'film-degrees');
+    this.samples = choice(SAMPLES, say`Samples per pixel of the film`, 'film-samples');
+    this.ground = choice(GROUNDS, say`Ground of the film`, 'film-ground');
+    this.surface = choice([], say`Surface`, 'film-surface');
+    this.degrees = numberInput(say`Degrees`, {value: 360, low: -MOST_DEGREES,
+      high: MOST_DEGREES, isWhole: false}, 'film-degrees');
     const value = {value: 0, low: -MOST_VALUE, high: MOST_VALUE, isWhole: false};
-    this.from = numberInput('First isovalue', value, 'film-from');
-    this.to = numberInput('Last isovalue', value, 'film-to');
-    this.pictures = numberInput('Pictures', {value: 100, low: 2, high: MOST_PICTURES},
+    this.from = numberInput(say`First isovalue`, value, 'film-from');
+    this.to = numberInput(say`Last isovalue`, value, 'film-to');
+    this.pictures = numberInput(say`Pictures`, {value: 100, low: 2, high: MOST_PICTURES},
       'film-pictures');
-    this.rate = numberInput('Pictures per second',
+    this.rate = numberInput(say`Pictures per second`,
       {value: 25, low: 1, high: MOST_RATE, isWhole: false}, 'film-rate');
     this.wrong = wrongLine('film-wrong');
-    this.turn = h('span', {class: 'row'}, 'over', this.degrees.input, 'degrees');
-    this.range = h('span', {class: 'row wrap', hidden: true}, 'of', this.surface, 'from',
-      this.from.input, 'to', this.to.input);
-    this.count = h('span', {class: 'row'}, this.pictures.input, 'pictures,');
+    this.turn = h('span', {class: 'row'}, say`over`, this.degrees.input, say`degrees`);
+    this.range = h('span', {class: 'row wrap', hidden: true}, say`of`, this.surface,
+      say`from`, this.from.input, say`to`, this.to.input);
+    this.count = h('span', {class: 'row'}, this.pictures.input, say`pictures,`);
     this.duration = h('span', {class: 'muted', 'data-testid': 'film-duration'});
-    this.element = h('section', {}, h('h3', {}, 'Film'),
+    this.element = h('section', {}, h('h3', {}, say`Film`),
       h('div', {class: 'row wrap'}, this.kind, this.turn, this.range),
       h('div', {class: 'row wrap'}, this.size.list, this.size.free, this.samples, this.ground),
-      h('div', {class: 'row wrap'}, this.count, this.rate.input, 'per second', this.duration,
+      h('div', {class: 'row wrap'}, this.count, this.rate.input, say`per second`, this.duration,
         h('span', {class: 'grow'}),
         h('button', {class: 'primary', 'data-testid': 'film-go',
-          onclick: () => void attempt(app, dialog, this.wrong, () => this.make())}, 'Make film')),
+          onclick: () => void attempt(app, dialog, this.wrong, () => this.make())},
+        say`Make film`)),
       this.wrong);
     this.kind.addEventListener('change', () => {
       const {frame_ms} = this.series(), [least, most] = REAL_TIME_MS;
@@ -88,7 +90,7 @@ class FilmPart {
   /** Offers the surfaces of the scene. */
   refresh() {
     const names = this.offered().map(({name}) => name), chosen = this.surface.value;
-    this.surface.replaceChildren(...names.map(name => h('option', {value: name}, name)));
+    this.surface.replaceChildren(...names.map(name => h('option', {...DATA, value: name}, name)));
     this.wrong.hidden = true;
     if (names.includes(chosen)) {
       this.surface.value = chosen;
@@ -146,7 +148,7 @@ class FilmPart {
   async make() {
     const {app} = this, isSweep = this.kind.value === 'sweep';
     if (isSweep && this.surface.value === '') {
-      throw new Error('There is no surface to sweep. Add a surface first.');
+      throw new Error(say`There is no surface to sweep. Add a surface first.`);
     }
     const name = `${baseName(app)}-${this.kind.value}.webm`, isCine = this.kind.value === 'cine';
     const pictures = isCine ? this.series().frames : this.pictures.value();
@@ -159,10 +161,10 @@ class FilmPart {
     this.dialog.close();
     const {ok, result, error} = await app.connection.do(line, {quiet: true});
     if (!ok || !result?.download) {
-      throw new Error(error ?? 'The film was not made.');
+      throw new Error(error ?? say`The film was not made.`);
     }
     saveAs(address(result.download).href, name);
-    app.toasts.info(`Saved ${name}, ${counted(pictures, 'picture')}, `
-      + `${short(result.duration_s)} s.`);
+    const count = plural(pictures, say`1 picture`, say`${grouped(pictures)} pictures`);
+    app.toasts.info(say`Saved ${name}, ${count}, ${short(result.duration_s)} s.`);
   }
 }

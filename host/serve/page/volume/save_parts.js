@@ -2,14 +2,15 @@
 import {h} from '../elements/dom.js';
 import {LIMITS} from '../link/vocabulary.js';
 import {sentenceOf} from '../panel/panel_parts.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 
 /** A side of a picture that the commands accept. */
 export const MOST_PX = LIMITS.max_user_picture_px;
 export const FREE = 'free';
-export const SAMPLES = /** @type {const} */ ([['16', '16 samples'], ['4', '4 samples'],
-  ['1', '1 sample']]);
+export const SAMPLES = /** @type {const} */ ([['16', say`16 samples`],
+  ['4', say`4 samples`], ['1', say`1 sample`]]);
 
 /**
  * The volume's name without characters that a file name cannot have.
@@ -32,11 +33,12 @@ export function choice(choices, label, testid) {
 /**
  * A number, checked when it is used: the dialog then says what is wrong.
  * @param {string} name   For screen readers and errors.
- * @param {{value: number | string, low: number, high: number, unit?: string, isWhole?: boolean}}
- *   limits
+ * @param {{value: number | string, low: number, high: number, highText?: string,
+ *   isWhole?: boolean}} limits  With a text for `high`, if it has a unit.
  * @param {string} testid
  */
-export function numberInput(name, {value, low, high, unit = '', isWhole = true}, testid) {
+export function numberInput(name, {value, low, high, highText = `${high}`, isWhole = true},
+  testid) {
   const input = h('input', {type: 'number', min: low, max: high, step: isWhole ? 1 : 'any', value,
     class: 'px', 'aria-label': name, title: name, 'data-testid': testid});
   return {
@@ -46,8 +48,9 @@ export function numberInput(name, {value, low, high, unit = '', isWhole = true},
       const number = Number(input.value);
       if (input.value.trim() === '' || number < low || number > high
           || isWhole && !Number.isInteger(number)) {
-        throw new Error(`${name} is "${input.value}", must be a ${isWhole ? 'whole ' : ''}number `
-          + `from ${low} to ${high}${unit}.`);
+        throw new Error(isWhole
+          ? say`${name} is "${input.value}", must be a whole number from ${low} to ${highText}.`
+          : say`${name} is "${input.value}", must be a number from ${low} to ${highText}.`);
       }
       return number;
     },
@@ -108,12 +111,12 @@ export function eyeSize({store, picture}, choice) {
  * @param {string} testid
  */
 export function sizeChoice(choices, testid) {
-  const list = choice(choices, 'Size', testid);
-  const side = (/** @type {string} */ name, /** @type {number} */ value) => numberInput(name,
-    {value, low: 1, high: MOST_PX, unit: ' pixels'}, `${testid}-${name.toLowerCase()}`);
-  const width = side('Width', 1600), height = side('Height', 1200);
+  const list = choice(choices, say`Size`, testid);
+  const limits = {low: 1, high: MOST_PX, highText: say`${MOST_PX} pixels`};
+  const width = numberInput(say`Width`, {...limits, value: 1600}, `${testid}-width`);
+  const height = numberInput(say`Height`, {...limits, value: 1200}, `${testid}-height`);
   const free = h('span', {class: 'row', hidden: true}, width.input, '×', height.input,
-    'pixels');
+    say`pixels`);
   list.addEventListener('change', () => {
     free.hidden = list.value !== FREE;
   });

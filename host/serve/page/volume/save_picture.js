@@ -2,11 +2,12 @@
 import {contextOf, pngOf} from '../elements/canvas.js';
 import {h} from '../elements/dom.js';
 import {paintLegend} from '../elements/legend.js';
-import {counted, short} from '../elements/numbers.js';
+import {grouped, short} from '../elements/numbers.js';
 import {saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
 import {placeWarning, volumeTitle} from '../panel/volume_words.js';
+import {plural, say} from '../texts/say.js';
 import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine}
   from './save_parts.js';
 
@@ -14,17 +15,19 @@ import {FREE, SAMPLES, attempt, baseName, choice, eyeSize, sizeChoice, wrongLine
 /** @typedef {import('../link/types.js').LegendLine} LegendLine */
 /** @typedef {{blob: Blob, name: string, told: string}} Made  told: size and samples. */
 
-const SIZES = /** @type {const} */ ([['1', 'as on the screen'], ['2', 'twice'], ['3', '3 times'],
-  ['4', '4 times'], ['1920x1080', '1920 × 1080'], ['3840x2160', '3840 × 2160'],
-  [FREE, 'other size …']]);
-const FORMATS = /** @type {const} */ ([['png', 'PNG'], ['tif', 'TIFF, no marks'],
-  ['exr', 'OpenEXR, no marks']]);
-const GROUNDS = /** @type {const} */ ([['shown', 'ground as shown'], ['white', 'white ground'],
-  ['transparent', 'transparent ground']]);
+const SIZES = /** @type {const} */ ([['1', say`as on the screen`], ['2', say`twice`],
+  ['3', say`3 times`], ['4', say`4 times`], ['1920x1080', '1920 × 1080'],
+  ['3840x2160', '3840 × 2160'], [FREE, say`other size …`]]);
+const FORMATS = /** @type {const} */ ([['png', 'PNG'], ['tif', say`TIFF, no marks`],
+  ['exr', say`OpenEXR, no marks`]]);
+const GROUNDS = /** @type {const} */ ([['shown', say`ground as shown`],
+  ['white', say`white ground`], ['transparent', say`transparent ground`]]);
 const PNG = 'image/png';
 const LONGEST_DOWNLOAD_MS = 120_000;
-const SURFACES = 'Surfaces';
-const NO_CLIPBOARD = 'This browser copies pictures from pages of https:// or localhost only';
+const SURFACES = 'surfaces';
+/** Names of the views in files, in the order of app.views. */
+const VIEWS = ['axial', 'coronal', 'sagittal'];
+const NO_CLIPBOARD = say`This browser copies pictures from pages of https:// or localhost only`;
 
 /**
  * @param {App} app
@@ -43,11 +46,11 @@ class PicturePart {
   constructor(app, dialog) {
     this.app = app;
     this.dialog = dialog;
-    this.what = choice([], 'What to save', 'save-picture-what');
+    this.what = choice([], say`What to save`, 'save-picture-what');
     this.size = sizeChoice(SIZES, 'save-picture-size');
-    this.format = choice(FORMATS, 'Format', 'save-picture-format');
-    this.samples = choice(SAMPLES, 'Samples per pixel', 'save-picture-samples');
-    this.ground = choice(GROUNDS, 'Ground', 'save-picture-ground');
+    this.format = choice(FORMATS, say`Format`, 'save-picture-format');
+    this.samples = choice(SAMPLES, say`Samples per pixel`, 'save-picture-samples');
+    this.ground = choice(GROUNDS, say`Ground`, 'save-picture-ground');
     const mark = (/** @type {string} */ testid) =>
       h('input', {type: 'checkbox', checked: true, 'data-testid': testid});
     this.marks = mark('save-overlay');
@@ -55,30 +58,30 @@ class PicturePart {
     this.wrong = wrongLine('save-picture-wrong');
     const hasClipboard = 'ClipboardItem' in globalThis && Boolean(navigator.clipboard?.write);
     const copy = h('button', {'data-testid': 'picture-copy', disabled: !hasClipboard,
-      title: hasClipboard ? 'Copies the picture as PNG' : NO_CLIPBOARD,
-      onclick: () => void this.copy()}, 'Copy');
+      title: hasClipboard ? say`Copies the picture as PNG` : NO_CLIPBOARD,
+      onclick: () => void this.copy()}, say`Copy`);
     this.what.addEventListener('change', () => this.show());
     for (const each of [this.what, this.format, this.size.list]) {
       each.addEventListener('change', () => { this.wrong.hidden = true; });
     }
-    this.element = h('section', {}, h('h3', {}, 'Picture'),
+    this.element = h('section', {}, h('h3', {}, say`Picture`),
       h('div', {class: 'row wrap'}, this.what, this.size.list, this.size.free),
       h('div', {class: 'row wrap'}, this.format, this.samples, this.ground),
       h('div', {class: 'row wrap'},
-        h('label', {class: 'row'}, this.marks, 'letters, scale, measurements'),
-        h('label', {class: 'row'}, this.legend, 'legend'), h('span', {class: 'grow'}), copy,
+        h('label', {class: 'row'}, this.marks, say`letters, scale, measurements`),
+        h('label', {class: 'row'}, this.legend, say`legend`), h('span', {class: 'grow'}), copy,
         h('button', {class: 'primary', 'data-testid': 'snapshot',
-          onclick: () => void this.save()}, 'Save picture')),
+          onclick: () => void this.save()}, say`Save picture`)),
       this.wrong);
   }
 
   /** Offers the views that are shown now. */
   refresh() {
     const chosen = this.what.value;
-    const views = this.app.views.list.filter(view => view.size() !== null);
-    this.what.replaceChildren(...[SURFACES, ...views.map(({title}) => title)].map(title =>
-      h('option', {value: title}, title)));
-    this.what.value = views.some(({title}) => title === chosen) ? chosen : SURFACES;
+    const views = VIEWS.filter(name => (this.viewOf(name)?.size() ?? null) !== null);
+    this.what.replaceChildren(h('option', {value: SURFACES}, say`Surfaces`),
+      ...views.map(name => h('option', {value: name}, this.viewOf(name)?.title)));
+    this.what.value = views.includes(chosen) ? chosen : SURFACES;
     this.wrong.hidden = true;
     this.show();
   }
@@ -89,16 +92,19 @@ class PicturePart {
     this.format.disabled = this.samples.disabled = isSlice;
   }
 
-  /** The shown view that is chosen; nothing for the surfaces. */
-  get view() {
-    return this.app.views.list.find(({title}) => title === this.what.value);
+  /**
+   * Nothing for the surfaces.
+   * @param {string} name
+   */
+  viewOf(name) {
+    return this.app.views.list.find((_, index) => VIEWS[index] === name);
   }
 
   async save() {
     await attempt(this.app, this.dialog, this.wrong, async () => {
       const {blob, name, told} = await this.made(this.format.value);
       saveBlob(blob, name);
-      this.app.toasts.info(`Saved ${name}, ${told}.`);
+      this.app.toasts.info(say`Saved ${name}, ${told}.`);
     });
   }
 
@@ -108,7 +114,7 @@ class PicturePart {
       // Browsers allow it only while they handle the click, so they get a promise.
       await navigator.clipboard.write(
         [new ClipboardItem({[PNG]: made.then(({blob}) => blob.slice(0, blob.size, PNG))})]);
-      this.app.toasts.info(`Copied the picture, ${(await made).told}.`);
+      this.app.toasts.info(say`Copied the picture, ${(await made).told}.`);
     });
   }
 
@@ -118,8 +124,9 @@ class PicturePart {
    * @returns {Promise<Made>}
    */
   async made(format) {
-    if (this.view) {
-      return this.madeOf(this.view);
+    const view = this.viewOf(this.what.value);
+    if (view) {
+      return this.madeOf(view, this.what.value);
     }
     const eye = eyeSize(this.app, this.size), marks = this.marks.checked;
     this.dialog.close();
@@ -130,16 +137,22 @@ class PicturePart {
       ? await this.app.picture.marked(drawing, {eye, marks, legend,
         isLight: this.ground.value === 'white' ? true : null})
       : drawing;
-    const samples = counted(Number(this.samples.value), 'sample');
-    return {blob, name, told: `${sizeText(this.app.picture.wholeSize(eye))}, ${samples} per pixel`};
+    return {blob, name,
+      told: `${sizeText(this.app.picture.wholeSize(eye))}, ${this.samplesText()}`};
+  }
+
+  samplesText() {
+    const count = Number(this.samples.value);
+    return plural(count, say`1 sample per pixel`, say`${grouped(count)} samples per pixel`);
   }
 
   /**
    * The picture of a slice, which the page paints itself.
    * @param {import('../panel/views.js').View} view
+   * @param {string} viewName
    * @returns {Promise<Made>}
    */
-  async madeOf(view) {
+  async madeOf(view, viewName) {
     const size = this.size.size(view.size() ?? [1, 1]);
     this.dialog.close();
     const painted = view.painted({size, marks: this.marks.checked,
@@ -147,7 +160,7 @@ class PicturePart {
     paintLegend(contextOf(painted.canvas), this.app.picture.overlay, this.legendOf(painted),
       painted.scale);
     return {blob: await pngOf(painted.canvas), told: sizeText(size),
-      name: `${baseName(this.app)}-${view.title.split(' ')[0].toLowerCase()}.png`};
+      name: `${baseName(this.app)}-${viewName}.png`};
   }
 
   /**
@@ -179,12 +192,13 @@ class PicturePart {
       + `size=${size} samples=${this.samples.value} overlay=off ground=${this.ground.value}`,
     {quiet: true});
     if (!ok || !result?.download) {
-      throw new Error(error ?? 'The picture was not drawn.');
+      throw new Error(error ?? say`The picture was not drawn.`);
     }
     const response = await fetch(address(result.download).href,
       {signal: AbortSignal.timeout(LONGEST_DOWNLOAD_MS)});
     if (!response.ok) {
-      throw new Error(`The server answered ${response.status} instead of the picture. Save again.`);
+      throw new Error(
+        say`The server answered ${response.status} instead of the picture. Save again.`);
     }
     return response.blob();
   }
@@ -192,7 +206,7 @@ class PicturePart {
 
 /** @param {number[]} size */
 function sizeText([width, height]) {
-  return `${width} × ${height} pixels`;
+  return say`${width} × ${height} pixels`;
 }
 
 /** @param {string} text */

@@ -3,6 +3,7 @@ import {h} from '../elements/dom.js';
 import {saveAs, saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
 import {address} from '../link/token.js';
+import {say} from '../texts/say.js';
 import {createPrivacyHint} from './privacy.js';
 import {filmPart} from './save_film.js';
 import {baseName, choice} from './save_parts.js';
@@ -14,11 +15,11 @@ import {openSession, SESSION_ENDING} from './upload.js';
 
 const MESHES = /** @type {const} */ ([['glb', 'glTF binary (.glb)'], ['stl', 'STL (.stl)'],
   ['ply', 'PLY (.ply)'], ['obj', 'Wavefront (.obj)'], ['vtp', 'VTK (.vtp)']]);
-const KEEPS = /** @type {const} */ ([['', 'all triangles'], [' keep=0.5', '50 %'],
-  [' keep=0.25', '25 %'], [' keep=0.1', '10 %'], [' error=0.1', 'within 0.1 mm'],
-  [' error=0.5', 'within 0.5 mm']]);
-const SMOOTHINGS = /** @type {const} */ ([['', 'not smoothed'],
-  [' smoothing=10', 'smoothed a little'], [' smoothing=50', 'smoothed']]);
+const KEEPS = /** @type {const} */ ([['', say`all triangles`], [' keep=0.5', '50 %'],
+  [' keep=0.25', '25 %'], [' keep=0.1', '10 %'], [' error=0.1', say`within 0.1 mm`],
+  [' error=0.5', say`within 0.5 mm`]]);
+const SMOOTHINGS = /** @type {const} */ ([['', say`not smoothed`],
+  [' smoothing=10', say`smoothed a little`], [' smoothing=50', say`smoothed`]]);
 
 /**
  * Exports a mesh and saves it. Its certificate, and the colors of an OBJ, are links in the note:
@@ -34,12 +35,14 @@ async function saveMesh(app, name, options) {
   }
   const {href} = address(result.download);
   saveAs(href, name);
-  const besides = [['certificate', String(result.certificate).split('/').at(-1) ?? '']];
+  const certificate = String(result.certificate).split('/').at(-1) ?? '';
+  const besides = [{key: 'certificate', text: say`certificate`, file: certificate}];
   if (name.endsWith('.obj')) {
-    besides.push(['colors', name.replace(/obj$/, 'mtl')]);
+    besides.push({key: 'colors', text: say`colors`, file: name.replace(/obj$/, 'mtl')});
   }
-  app.toasts.info(`Saved ${name}, ${result.closed ? 'closed' : 'open: see the certificate'}.`,
-    besides.map(([text, file]) => h('a', {download: file, 'data-testid': `saved-${text}`,
+  app.toasts.info(result.closed ? say`Saved ${name}, closed.`
+    : say`Saved ${name}, open: see the certificate.`,
+    besides.map(({key, text, file}) => h('a', {download: file, 'data-testid': `saved-${key}`,
       href: address(result.download.replace(/[^/]*$/, encodeURIComponent(file))).href}, text)));
 }
 
@@ -52,8 +55,8 @@ export function createSaveDialog(app) {
   const privacy = createPrivacyHint(app);
   const picture = picturePart(app, dialog), film = filmPart(app, dialog);
   dialog.append(
-    h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, 'Save'),
-      h('button', {class: 'quiet icon', 'aria-label': 'Close',
+    h('div', {class: 'row spread'}, h('h2', {id: 'save-title'}, say`Save`),
+      h('button', {class: 'quiet icon', 'aria-label': say`Close`,
         onclick: () => dialog.close()}, '×')),
     privacy.root,
     picture.element, film.element, meshPart(app, dialog), sessionPart(app, dialog));
@@ -79,22 +82,22 @@ export function createSaveDialog(app) {
  * @param {HTMLDialogElement} dialog
  */
 function meshPart(app, dialog) {
-  const format = choice(MESHES, 'Format', 'export-format');
-  const axes = choice([['LPS', 'LPS (DICOM)'], ['RAS', 'RAS (NIfTI)']], 'Axes',
+  const format = choice(MESHES, say`Format`, 'export-format');
+  const axes = choice([['LPS', 'LPS (DICOM)'], ['RAS', 'RAS (NIfTI)']], say`Axes`,
     'save-axes');
-  const keep = choice(KEEPS, 'Triangles kept', 'save-keep');
-  const smoothing = choice(SMOOTHINGS, 'Smoothing', 'save-smoothing');
+  const keep = choice(KEEPS, say`Triangles kept`, 'save-keep');
+  const smoothing = choice(SMOOTHINGS, say`Smoothing`, 'save-smoothing');
   const cap = h('input', {type: 'checkbox', 'data-testid': 'save-cap'});
-  return h('section', {}, h('h3', {}, 'Mesh'),
-    h('p', {class: 'muted'}, 'The visible surfaces, in patient coordinates (mm).'),
+  return h('section', {}, h('h3', {}, say`Mesh`),
+    h('p', {class: 'muted'}, say`The visible surfaces, in patient coordinates (mm).`),
     h('div', {class: 'row wrap'}, format, axes, keep, smoothing,
-      h('label', {class: 'row', title: 'Closes the mesh at the border of the scan and at clip '
-        + 'planes'}, cap, 'closed at cuts'), h('span', {class: 'grow'}),
+      h('label', {class: 'row', title: say`Closes the mesh at the border of the scan and at clip
+        planes`}, cap, say`closed at cuts`), h('span', {class: 'grow'}),
       h('button', {class: 'primary', 'data-testid': 'export-go', onclick: () => {
         dialog.close();
         void saveMesh(app, `${baseName(app)}.${format.value}`, ` axes=${axes.value}`
           + keep.value + smoothing.value + (cap.checked ? ' cap=yes' : ''));
-      }}, 'Save mesh')));
+      }}, say`Save mesh`)));
 }
 
 /**
@@ -114,24 +117,25 @@ function sessionPart(app, dialog) {
   });
   const note = h('p', {class: 'muted', 'data-testid': 'session-note'});
   app.store.subscribe(['volume'], ({volume}) => {
-    note.textContent = 'A script of this scene with the path of its volume, for this page and for '
-      + 'pxpl5 run. It has window, crosshair and measurements, too. ' + (isUpload(volume)
-      ? 'Keep the files that you dropped: the server keeps its copy until it ends or needs the '
-        + 'room, and then asks for the files.' : '');
+    const about = say`A script of this scene with the path of its volume, for this page and for
+      pxpl5 run. It has window, crosshair and measurements, too.`;
+    const keep = isUpload(volume) ? say`Keep the files that you dropped: the server keeps its copy
+      until it ends or needs the room, and then asks for the files.` : '';
+    note.textContent = `${about} ${keep}`;
   });
-  return h('section', {}, h('h3', {}, 'Session'), note,
+  return h('section', {}, h('h3', {}, say`Session`), note,
     h('div', {class: 'row'}, input, h('span', {class: 'grow'}),
       h('button', {'data-testid': 'reopen-session',
-        onclick: () => input.click()}, 'Reopen a session …'),
+        onclick: () => input.click()}, say`Reopen a session …`),
       h('button', {class: 'primary', 'data-testid': 'session-save', onclick: async () => {
         dialog.close();
         const text = await sessionText(app);
         if (text !== '') {
           const name = baseName(app) + SESSION_ENDING;
           saveBlob(new Blob([text], {type: 'text/plain'}), name);
-          app.toasts.info(`Saved ${name}.`);
+          app.toasts.info(say`Saved ${name}.`);
         }
-      }}, 'Save session')));
+      }}, say`Save session`)));
 }
 
 /**

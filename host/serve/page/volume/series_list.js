@@ -1,6 +1,7 @@
 // The series of a folder, of which one is to be chosen: by patient and study, with thumbnails.
 import {h} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 import {sizeText, UPLOAD} from './words.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -17,7 +18,7 @@ import {sizeText, UPLOAD} from './words.js';
 export function createSeries(app) {
   const groups = h('div', {class: 'series'}), title = h('p', {role: 'alert'});
   const note = h('p', {class: 'muted', role: 'status', 'data-testid': 'series-note'});
-  const root = h('div', {hidden: true, role: 'group', 'aria-label': 'Series of the folder',
+  const root = h('div', {hidden: true, role: 'group', 'aria-label': say`Series of the folder`,
     'data-testid': 'open-choice'}, title, note, groups);
   let asked = 0;
   /**
@@ -27,7 +28,7 @@ export function createSeries(app) {
    */
   const fill = async (source, choose) => {
     const number = ++asked;
-    note.textContent = 'Reading thumbnails …';
+    note.textContent = say`Reading thumbnails …`;
     try {
       const {json, bytes} = await app.connection.ask({ask: 'series', path: source});
       if (number === asked) {
@@ -41,7 +42,7 @@ export function createSeries(app) {
       }
     } catch (error) {
       if (number === asked) {
-        note.textContent = `No thumbnails: ${/** @type {Error} */ (error).message
+        note.textContent = say`No thumbnails: ${/** @type {Error} */ (error).message
           .replace(UPLOAD, '')}`;
       }
     }
@@ -59,7 +60,7 @@ export function createSeries(app) {
       asked++;  // Thumbnails of another folder come too late.
       root.hidden = found.length === 0;
       const [, count = String(found.length)] = error.match(/ holds (\d+)[ :]/) ?? [];
-      title.textContent = `${error.split(':')[0]} has ${count} series. Choose one:`;
+      title.textContent = say`${error.split(':')[0]} has ${count} series. Choose one:`;
       groups.replaceChildren(h('div', {class: 'cards'}, ...found.map(([, number, name, about]) =>
         card(number, name, [about.replace(/(\d)x(?=\d)/g, '$1 × ')], null, choose))));
       if (found.length > 0) {
@@ -81,7 +82,7 @@ export function createSeries(app) {
 function card(number, name, about, picture, choose) {
   return h('button', {class: 'card', type: 'button', 'data-testid': `series-${number}`,
     onclick: () => choose(number)},
-    picture, h('span', {class: 'words'}, h('strong', {}, name || `Series ${number}`),
+    picture, h('span', {class: 'words'}, h('strong', {}, name || say`Series ${number}`),
       h('span', {class: 'muted'}, ...about)));
 }
 
@@ -118,13 +119,13 @@ function groupsOf(rows, keyOf) {
 
 /** @param {Row} row */
 function patientText({patient, patient_id: id}) {
-  return [patient || 'Patient without a name', id === '' ? '' : `ID ${id}`]
+  return [patient || say`Patient without a name`, id === '' ? '' : say`ID ${id}`]
     .filter(Boolean).join(', ');
 }
 
 /** @param {Row} row */
 function studyText({study_date: date, study_description: about}) {
-  return [about || 'Study', dicomDate(date)].filter(Boolean).join(', ');
+  return [about || say`Study`, dicomDate(date)].filter(Boolean).join(', ');
 }
 
 /**
@@ -171,12 +172,13 @@ function noteOf({series, more, note}) {
   const without = series.filter(({thumbnail}) => !thumbnail).length;
   const sentences = [];
   if (more > 0) {
-    sentences.push(`${grouped(more)} more series are not listed: open a part of the folder, or `
-      + 'give the option Series.');
+    sentences.push(say`${grouped(more)} more series are not listed: open a part of the folder, or
+      give the option Series.`);
   }
   if (without > 0) {
-    sentences.push(`No thumbnail for ${without} of ${series.length} series`
-      + (note ? `: ${note.replace(UPLOAD, '')}` : '.'));
+    sentences.push(note
+      ? say`No thumbnail for ${without} of ${series.length} series: ${note.replace(UPLOAD, '')}`
+      : say`No thumbnail for ${without} of ${series.length} series.`);
   }
   return sentences.join(' ');
 }

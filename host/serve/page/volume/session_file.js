@@ -1,6 +1,7 @@
 // Files of sessions: a script of the scene, and a comment with the page's own part.
 import {OPENING} from '../elements/toasts.js';
 import {word} from '../link/lines.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/types.js').Session} Session */
@@ -79,8 +80,8 @@ function withoutFiles({connection, toasts}, script) {
   const lines = script.split('\n');
   const kept = lines.filter(line => !writers.includes(line.trim().split(/\s/)[0]));
   if (kept.length < lines.length) {
-    toasts.info(`${lines.length - kept.length} commands of the session write files. `
-      + 'They were left out.');
+    toasts.info(say`${lines.length - kept.length} commands of the session write files.
+      They were left out.`);
   }
   return kept.join('\n');
 }

@@ -1,6 +1,7 @@
 // Unpacks the files of a ZIP archive in the browser. The layout is that of PKWARE's APPNOTE.TXT
 // 6.3.10: a directory at the end says where each file begins.
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** @typedef {import('./upload.js').Named} Named */
 
@@ -29,7 +30,7 @@ const PART_BYTES = 16 * 2 ** 20;  // A blob may be on the disk, an array is in m
 /** The characters 128 to 255 of names that are not UTF-8 (code page 437, APPNOTE.TXT D.1). */
 const CODE_PAGE_437 = 'ÇüéâäàåçêëèïîìÄÅÉæÆôöòûùÿÖÜ¢£¥₧ƒáíóúñÑªº¿⌐¬½¼¡«»░▒▓│┤╡╢╖╕╣║╗╝╜╛┐'
   + '└┴┬├─┼╞╟╚╔╩╦╠═╬╧╨╤╥╙╘╒╓╫╪┘┌█▄▌▐▀αßΓπΣσµτΦΘΩδ∞φε∩≡±≥≤⌠⌡÷≈°∙·√ⁿ²■\u00a0';
-const REMEDY = 'Unpack it first, and drop its folder.';
+const REMEDY = say`Unpack it first, and drop its folder.`;
 /** Files of macOS and Windows that belong to no scan. */
 const ADDED = /(^|\/)(__MACOSX\/|\.DS_Store$|Thumbs\.db$|desktop\.ini$)/;
 
@@ -49,17 +50,17 @@ export function isArchive(name) {
  */
 export async function unzipped(archive, most, signal, progress) {
   if (typeof DecompressionStream !== 'function') {
-    throw new Error(`This browser cannot unpack ${archive.name}. ${REMEDY}`);
+    throw new Error(say`This browser cannot unpack ${archive.name}. ${REMEDY}`);
   }
   const entries = await entriesOf(archive);
   const total = entries.reduce((sum, {bytes}) => sum + bytes, 0);
   if (entries.length === 0) {
-    throw new Error(`${archive.name} contains no file.`);
+    throw new Error(say`${archive.name} contains no file.`);
   }
   if (entries.length > most.files || total > most.bytes) {
-    throw new Error(`${archive.name} has ${grouped(entries.length)} files with ${grouped(total)} `
-      + `bytes; the limits are ${grouped(most.files)} files and ${grouped(most.bytes)} bytes, `
-      + 'less what was dropped with it.');
+    throw new Error(say`${archive.name} has ${grouped(entries.length)} files with ${grouped(total)}
+      bytes; the limits are ${grouped(most.files)} files and ${grouped(most.bytes)} bytes,
+      less what was dropped with it.`);
   }
   const folder = archive.name.replace(/\.zip$/i, '');
   const found = [];
@@ -86,8 +87,8 @@ async function entriesOf(archive) {
   const tail = await viewOf(archive, tailAt, archive.size);
   const end = placeOfEnd(tail);
   if (end < 0) {
-    throw new Error(`${archive.name} is no ZIP archive, or its end is missing: copy or download `
-      + 'it again.');
+    throw new Error(say`${archive.name} is no ZIP archive, or its end is missing: copy or download
+      it again.`);
   }
   const count = tail.getUint16(end + 10, true);
   const [size, offset] = [12, 16].map(byte => tail.getUint32(end + byte, true));
@@ -99,7 +100,8 @@ async function entriesOf(archive) {
   // Another file may stand before the archive, for example a program that unpacks it.
   const directoryAt = tailAt + end - size, before = directoryAt - offset;
   if (before < 0) {
-    throw damaged(archive, '', `The directory would begin ${-before} bytes before the archive.`);
+    throw damaged(archive, '',
+      say`The directory would begin ${-before} bytes before the archive.`);
   }
   const view = await viewOf(archive, directoryAt, directoryAt + size);
   /** @type {Map<string, Entry>} */
@@ -111,7 +113,7 @@ async function entriesOf(archive) {
       continue;
     }
     if (entries.has(entry.name)) {
-      throw new Error(`${archive.name} has two files with the name ${entry.name}. ${REMEDY}`);
+      throw new Error(say`${archive.name} has two files with the name ${entry.name}. ${REMEDY}`);
     }
     entries.set(entry.name, {...entry, at: entry.at + before});
   }
@@ -140,14 +142,15 @@ function placeOfEnd(tail) {
  */
 function entryAt(archive, view, at) {
   if (at + ENTRY.bytes > view.byteLength || view.getUint32(at, true) !== ENTRY.signature) {
-    throw damaged(archive, '', `Byte ${at} of the directory's ${view.byteLength} begins no entry.`);
+    throw damaged(archive, '',
+      say`Byte ${at} of the directory's ${view.byteLength} begins no entry.`);
   }
   const short = (/** @type {number} */ byte) => view.getUint16(at + byte, true);
   const long = (/** @type {number} */ byte) => view.getUint32(at + byte, true);
   const nameBytes = short(28), bytes = ENTRY.bytes + nameBytes + short(30) + short(32);
   if (at + bytes > view.byteLength) {
-    throw damaged(archive, '', `An entry ends at byte ${at + bytes} of the directory, which has `
-      + `${view.byteLength}.`);
+    throw damaged(archive, '', say`An entry ends at byte ${at + bytes} of the directory, which has
+      ${view.byteLength}.`);
   }
   const name = new Uint8Array(view.buffer, view.byteOffset + at + ENTRY.bytes, nameBytes);
   const flags = short(8);
@@ -182,15 +185,15 @@ function textOf(bytes, isUtf8) {
 async function unpackedFile(archive, entry, signal, count) {
   const {name, method} = entry;
   if (entry.isEncrypted) {
-    throw new Error(`${archive.name} needs a password for ${name}. ${REMEDY}`);
+    throw new Error(say`${archive.name} needs a password for ${name}. ${REMEDY}`);
   }
   if (method !== METHOD.stored && method !== METHOD.deflated) {
-    throw new Error(`${archive.name}: ${name} is compressed by method ${method}; only Deflate and `
-      + `stored files can be read here. ${REMEDY}`);
+    throw new Error(say`${archive.name}: ${name} is compressed by method ${method}; only Deflate and
+      stored files can be read here. ${REMEDY}`);
   }
   const head = await viewOf(archive, entry.at, entry.at + LOCAL.bytes);
   if (head.byteLength < LOCAL.bytes || head.getUint32(0, true) !== LOCAL.signature) {
-    throw damaged(archive, name, `No file begins at byte ${entry.at} of ${archive.size}.`);
+    throw damaged(archive, name, say`No file begins at byte ${entry.at} of ${archive.size}.`);
   }
   const begin = entry.at + LOCAL.bytes + head.getUint16(26, true) + head.getUint16(28, true);
   const packed = archive.slice(begin, begin + entry.packedBytes).stream();
@@ -222,26 +225,27 @@ async function unpackedFile(archive, entry, signal, count) {
     }
   } catch (error) {
     throw error instanceof TypeError  // Of the decompressor.
-      ? damaged(archive, name, `Its data cannot be decompressed after ${bytes} of ${entry.bytes} `
-        + 'bytes.') : error;
+      ? damaged(archive, name, say`Its data cannot be decompressed after ${bytes} of ${entry.bytes}
+        bytes.`) : error;
   } finally {
     void reader.cancel().catch(() => {});
   }
   if (bytes !== entry.bytes) {
-    throw damaged(archive, name, `It has ${bytes} bytes${bytes > entry.bytes ? ' or more' : ''}, `
-      + `its directory says ${entry.bytes}.`);
+    throw damaged(archive, name, bytes > entry.bytes
+      ? say`It has ${bytes} bytes or more, its directory says ${entry.bytes}.`
+      : say`It has ${bytes} bytes, its directory says ${entry.bytes}.`);
   }
   if (crc !== entry.crc) {
-    throw damaged(archive, name, `Its CRC-32 is ${crc.toString(16)}, its directory says `
-      + `${entry.crc.toString(16)}.`);
+    throw damaged(archive, name, say`Its CRC-32 is ${crc.toString(16)}, its directory says
+      ${entry.crc.toString(16)}.`);
   }
   return new File(parts, name.replace(/^.*\//, ''));
 }
 
 /** @param {File} archive */
 function isZip64(archive) {
-  return new Error(`${archive.name} is a ZIP64 archive: it has, or leaves room for, 65,535 files `
-    + `or 4 GiB. ${REMEDY}`);
+  return new Error(say`${archive.name} is a ZIP64 archive: it has, or leaves room for, 65,535 files
+    or 4 GiB. ${REMEDY}`);
 }
 
 /**
@@ -250,8 +254,9 @@ function isZip64(archive) {
  * @param {string} fact  What was found, and what was expected: a sentence.
  */
 function damaged(archive, name, fact) {
-  return new Error(`${archive.name} is damaged${name ? ` at ${name}` : ''}: copy or download it `
-    + `again. ${fact}`);
+  return new Error(name === ''
+    ? say`${archive.name} is damaged: copy or download it again. ${fact}`
+    : say`${archive.name} is damaged at ${name}: copy or download it again. ${fact}`);
 }
 
 /**

@@ -1,7 +1,8 @@
 // Uploads files and opens them.
 import {byId, h} from '../elements/dom.js';
-import {counted, grouped} from '../elements/numbers.js';
+import {grouped} from '../elements/numbers.js';
 import {address} from '../link/token.js';
+import {plural, say} from '../texts/say.js';
 import {playSession, withVolume} from './session_file.js';
 import {isArchive, unzipped} from './unzip.js';
 
@@ -88,7 +89,7 @@ async function withoutArchives(app, files) {
   const found = files.filter(named => !isDropped(named));
   for (const named of files.filter(isDropped)) {
     const most = {files: MOST_FILES - found.length, bytes: MOST_BYTES - bytesOf(found)};
-    const work = showWork(`Unpacking ${named.file.name} …`, 'Progress of unpacking');
+    const work = showWork(say`Unpacking ${named.file.name} …`, say`Progress of unpacking`);
     try {
       found.push(...await unzipped(named.file, most, work.stop.signal, work.show));
     } catch (error) {
@@ -116,7 +117,7 @@ function showWork(text, label) {
   const bar = h('progress', {max: 1, value: 0, 'aria-label': label});
   const percent = h('span', {class: 'number muted'}, '0 %');
   const box = h('div', {class: 'toast info upload', 'data-testid': 'uploading'}, h('p', {}, text),
-    percent, h('button', {onclick: () => stop.abort()}, 'Cancel'), bar);
+    percent, h('button', {onclick: () => stop.abort()}, say`Cancel`), bar);
   byId('toasts').append(box);
   return {
     stop,
@@ -139,14 +140,14 @@ async function upload(app, files) {
   }
   const total = bytesOf(files);
   if (files.length > MOST_FILES || total > MOST_BYTES) {
-    app.toasts.error(`Cannot upload ${grouped(files.length)} files with `
-      + `${grouped(total)} bytes: the limits are ${grouped(MOST_FILES)} `
-      + `files and ${grouped(MOST_BYTES)} bytes. Enter their path instead.`);
+    app.toasts.error(say`Cannot upload ${grouped(files.length)} files with
+      ${grouped(total)} bytes: the limits are ${grouped(MOST_FILES)}
+      files and ${grouped(MOST_BYTES)} bytes. Enter their path instead.`);
     return null;
   }
   const batch = crypto.getRandomValues(new Uint32Array(1))[0].toString(16);
-  const what = files.length === 1 ? files[0].name : counted(files.length, 'file');
-  const {stop, show, end} = showWork(`Uploading ${what} …`, 'Upload progress');
+  const what = plural(files.length, files[0].name, say`${grouped(files.length)} files`);
+  const {stop, show, end} = showWork(say`Uploading ${what} …`, say`Upload progress`);
   /** @type {number[]} bytes sent of each request */
   const sent = [];
   const requests = requestsOf(files);
@@ -166,7 +167,7 @@ async function upload(app, files) {
   } catch (error) {
     if (!stop.signal.aborted) {
       stop.abort();
-      app.toasts.error(`Upload failed: ${/** @type {Error} */ (error).message}`);
+      app.toasts.error(say`Upload failed: ${/** @type {Error} */ (error).message}`);
     }
     return null;
   } finally {
@@ -232,10 +233,10 @@ function post(url, body, signal, progress) {
         resolve(said);
       } else {
         reject(new Error(said.error
-          ?? `the server answered ${request.status} ${request.statusText}`));
+          ?? say`the server answered ${request.status} ${request.statusText}`));
       }
     };
-    request.onerror = () => reject(new Error('the connection was lost'));
+    request.onerror = () => reject(new Error(say`the connection was lost`));
     request.onabort = () => reject(new Error('canceled'));
     signal.addEventListener('abort', () => request.abort());
     request.send(body);

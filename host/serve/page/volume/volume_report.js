@@ -1,7 +1,8 @@
 // Panel: geometry, values, source and warnings of the volume.
-import {h} from '../elements/dom.js';
-import {counted, significant} from '../elements/numbers.js';
+import {ENGLISH, h} from '../elements/dom.js';
+import {grouped, significant} from '../elements/numbers.js';
 import {intro, messageLine} from '../panel/panel_parts.js';
+import {plural, say} from '../texts/say.js';
 import {createAttributes} from './attributes.js';
 
 /** @typedef {import('../link/vocabulary.js').VolumeState} VolumeState */
@@ -9,16 +10,26 @@ import {createAttributes} from './attributes.js';
 /** Kinds of findings that can make a picture misleading. They are marked. */
 const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',
   'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
-const NAMES = new Map([['CT', 'computed tomography'], ['MR', 'magnetic resonance'],
-  ['US', 'ultrasound'], ['PT', 'positron emission tomography'], ['NM', 'nuclear medicine']]);
+/** The kinds of findings, as the page writes them. */
+const KINDS = new Map([['note', say`note`], ['conversion', say`conversion`],
+  ['assumption', say`assumption`], ['reflection', say`reflection`],
+  ['gantry tilt', say`gantry tilt`], ['missing slices', say`missing slices`],
+  ['uneven slices', say`uneven slices`], ['duplicate slices', say`duplicate slices`],
+  ['mixed orientations', say`mixed orientations`], ['thickness differs', say`thickness differs`],
+  ['other series', say`other series`], ['processed', say`processed`],
+  ['missing volumes', say`missing volumes`]]);
+const NAMES = new Map([['CT', say`computed tomography`], ['MR', say`magnetic resonance`],
+  ['US', say`ultrasound`], ['PT', say`positron emission tomography`],
+  ['NM', say`nuclear medicine`]]);
 
 /**
  * The directions of the voxel axes in the patient: "right to left, ...".
  * @param {VolumeState} volume
  */
 function directions(volume) {
-  const ways = [['right to left', 'left to right'], ['anterior to posterior',
-    'posterior to anterior'], ['inferior to superior', 'superior to inferior']];
+  const ways = [[say`right to left`, say`left to right`],
+    [say`anterior to posterior`, say`posterior to anterior`],
+    [say`inferior to superior`, say`superior to inferior`]];
   return [0, 1, 2].map(axis => {
     const towards = volume.voxel_to_patient.slice(4 * axis, 4 * axis + 3);
     const largest = towards.reduce(
@@ -38,21 +49,26 @@ function facts(volume) {
     significant(steps * volume.spacing_mm[n], 4));
   const kind = NAMES.get(volume.modality);
   return [
-    ['Size', `${nx} × ${ny} × ${nz} voxels`],
-    ['Spacing', `${volume.spacing_mm.map(each => significant(each, 4)).join(' × ')} mm`],
-    ['Extent', `${extent.join(' × ')} mm`],
-    ['Modality', volume.modality === '' ? 'not stated in the file'
+    [say`Size`, say`${nx} × ${ny} × ${nz} voxels`],
+    [say`Spacing`, `${volume.spacing_mm.map(each => significant(each, 4)).join(' × ')} mm`],
+    [say`Extent`, `${extent.join(' × ')} mm`],
+    [say`Modality`, volume.modality === '' ? say`not stated in the file`
       : volume.modality + (kind ? `, ${kind}` : '')],
-    ['Values', [significant(volume.minimum, 6), 'to', significant(volume.maximum, 6), volume.unit]
-      .join(' ').trimEnd()],
-    ...volume.suv_per_value > 0 ? /** @type {[string, string][]} */ ([['SUV',
-      `value × ${significant(volume.suv_per_value, 4)} (by body weight)`]]) : [],
-    ['Axes', directions(volume).join('\n')],
-    ['Slices', volume.slice_places.length > 0 ? 'not evenly spaced' : 'evenly spaced'],
-    ['Gaps', volume.gaps === 0 ? 'none'
-      : `${counted(volume.gaps, 'place')} with missing slices`],
-    ['Source', volume.source],
+    [say`Values`, `${rangeText(volume)} ${volume.unit}`.trimEnd()],
+    ...volume.suv_per_value > 0 ? /** @type {[string, string][]} */ ([[say`SUV`,
+      say`value × ${significant(volume.suv_per_value, 4)} (by body weight)`]]) : [],
+    [say`Axes`, directions(volume).join('\n')],
+    [say`Slices`, volume.slice_places.length > 0 ? say`not evenly spaced` : say`evenly spaced`],
+    [say`Gaps`, volume.gaps === 0 ? say`none`
+      : plural(volume.gaps, say`1 place with missing slices`,
+        say`${grouped(volume.gaps)} places with missing slices`)],
+    [say`Source`, volume.source],
   ];
+}
+
+/** @param {VolumeState} volume */
+function rangeText({minimum, maximum}) {
+  return say`${significant(minimum, 6)} to ${significant(maximum, 6)}`;
 }
 
 /**
@@ -66,12 +82,12 @@ export function create(root, app) {
   const message = messageLine('volume-message');
   const attributes = createAttributes(app);
   const body = h('div', {class: 'stack'}, title, list, attributes,
-    h('h3', {}, 'About this scan'), findings);
-  root.append(intro('Values from the file, derived values and assumptions.'),
+    h('h3', {}, say`About this scan`), findings);
+  root.append(intro(say`Values from the file, derived values and assumptions.`),
     body, message.element);
   app.store.subscribe(['volume'], ({volume}) => {
     body.hidden = volume === null;
-    message.say(volume ? '' : 'No volume is open.');
+    message.say(volume ? '' : say`No volume is open.`);
     if (!volume) {
       return;
     }
@@ -80,10 +96,11 @@ export function create(root, app) {
     list.replaceChildren(...facts(volume).flatMap(([what, is]) => [h('dt', {}, what),
       h('dd', {}, is)]));
     findings.replaceChildren(...volume.findings.map(({kind, text}) =>
-      h('li', {class: DOUBTFUL.has(kind) ? 'doubtful' : ''}, h('b', {}, kind), ` ${text}`)));
+      h('li', {class: DOUBTFUL.has(kind) ? 'doubtful' : ''},
+        h('b', {}, KINDS.get(kind) ?? kind), ' ', h('span', ENGLISH, text))));
     if (volume.findings.length === 0) {
-      findings.append(h('li', {}, 'No warnings: slices, spacing and orientation are used as ' +
-        'stated in the file.'));
+      findings.append(h('li', {}, say`No warnings: slices, spacing and orientation are used as
+        stated in the file.`));
     }
   });
 }

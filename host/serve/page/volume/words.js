@@ -1,10 +1,11 @@
 // Sizes, dates and folders of files, as words.
 import {grouped} from '../elements/numbers.js';
+import {say} from '../texts/say.js';
 
 /** The server's folder of dropped files, which tells nothing to a person. */
 export const UPLOAD = /\/\S*\/uploads\/\d+-[\w-]+\//;
 
-const UNITS = ['bytes', 'kB', 'MB', 'GB', 'TB'];
+const UNITS = ['B', 'kB', 'MB', 'GB', 'TB'];
 
 /**
  * "512 bytes", "3.4 MB": two significant digits below 10, else whole.
@@ -13,7 +14,8 @@ const UNITS = ['bytes', 'kB', 'MB', 'GB', 'TB'];
 export function sizeText(bytes) {
   const power = bytes < 1 ? 0 : Math.min(UNITS.length - 1, Math.floor(Math.log10(bytes) / 3));
   const value = bytes / 1000 ** power;
-  return `${grouped(value, power > 0 && value < 9.95 ? 1 : 0)} ${UNITS[power]}`;
+  return power === 0 ? say`${grouped(value)} bytes`
+    : `${grouped(value, value < 9.95 ? 1 : 0)} ${UNITS[power]}`;
 }
 
 /**
