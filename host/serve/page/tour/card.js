@@ -43,7 +43,7 @@ export class Card {
     this.title, this.text_, h('div', {class: 'row wrap'}, this.message_, this.again_),
     h('div', {class: 'row wrap'},
       h('nav', {class: 'tour-steps', 'aria-label': say`Steps of the tour`}, ...this.links_),
-      h('span', {class: 'grow'}), this.back_, this.next_));
+      h('div', {class: 'row tour-moves'}, this.back_, this.next_)));
     this.element.addEventListener('keydown', event => {
       if (event.key === 'Escape') {
         event.stopPropagation();

@@ -12,7 +12,7 @@ export default {
   'simplified within {0} mm': 'vereinfacht auf {0} mm',
   'moving, simplified within {0} mm': 'bewegt, vereinfacht auf {0} mm',
   'moving, {0}': 'bewegt, {0}',
-  'lossless, {0} samples': 'verlustfrei, {0} Abtastungen',
+  'lossless, {0} samples': 'verlustfrei, {0}-fach',
   'lossless': 'verlustfrei',
   'VP8 video': 'VP8-Video',
   'JPEG {0}, full color': 'JPEG {0}, alle Farben',

@@ -6,7 +6,7 @@ export default {
   'Close the tour': 'Rundgang schließen',
   'Close the tour (Esc)': 'Rundgang schließen (Esc)',
   'Steps of the tour': 'Schritte des Rundgangs',
-  'Tour of the machine: step {0} of {1}': 'Rundgang durch die Maschine: Schritt {0} von {1}',
+  'Tour of the machine: step {0} of {1}': 'Rundgang: Schritt {0} von {1}',
   'Next': 'Weiter',
   'Close': 'Schließen',
   'This pixel shows the background, and no triangle. Press Inspect and click a pixel on a surface.': 'Dieses Pixel zeigt den Hintergrund und kein Dreieck. Drücken Sie Untersuchen und klicken Sie ein Pixel auf einer Oberfläche an.',
