@@ -18,6 +18,7 @@
 
 /**
  * @typedef {object} View
+ * @property {string} name    In names of files.
  * @property {string} title
  * @property {() => number[] | null} size  On the screen, pixels of the screen; null if not shown.
  * @property {(painting: Painting) => Painted} painted

@@ -170,8 +170,8 @@ export class SlicesPanel {
       },
       failed: sentence => this.message.fail(sentence),
     });
-    this.app.views.add({title: sliceWord(PLANES[number]), size: () => shownSize(view.all),
-      painted: painting => pictureOf(view.all, painting)});
+    this.app.views.add({name: PLANES[number].toLowerCase(), title: sliceWord(PLANES[number]),
+      size: () => shownSize(view.all), painted: painting => pictureOf(view.all, painting)});
     const slider = h('input', {type: 'range', min: 0, max: 0, value: 0,
       'aria-label': sliceWord(PLANES[number]), 'data-testid': `slice-index-${number}`,
       oninput: () => this.step(number, Number(slider.value) - Math.round(

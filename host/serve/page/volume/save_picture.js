@@ -25,8 +25,6 @@ const GROUNDS = /** @type {const} */ ([['shown', say`ground as shown`],
 const PNG = 'image/png';
 const LONGEST_DOWNLOAD_MS = 120_000;
 const SURFACES = 'surfaces';
-/** Names of the views in files, in the order of app.views. */
-const VIEWS = ['axial', 'coronal', 'sagittal'];
 const NO_CLIPBOARD = say`This browser copies pictures from pages of https:// or localhost only`;
 
 /**
@@ -78,10 +76,10 @@ class PicturePart {
   /** Offers the views that are shown now. */
   refresh() {
     const chosen = this.what.value;
-    const views = VIEWS.filter(name => (this.viewOf(name)?.size() ?? null) !== null);
+    const views = this.app.views.list.filter(view => view.size() !== null);
     this.what.replaceChildren(h('option', {value: SURFACES}, say`Surfaces`),
-      ...views.map(name => h('option', {value: name}, this.viewOf(name)?.title)));
-    this.what.value = views.includes(chosen) ? chosen : SURFACES;
+      ...views.map(({name, title}) => h('option', {value: name}, title)));
+    this.what.value = views.some(({name}) => name === chosen) ? chosen : SURFACES;
     this.wrong.hidden = true;
     this.show();
   }
@@ -97,7 +95,7 @@ class PicturePart {
    * @param {string} name
    */
   viewOf(name) {
-    return this.app.views.list.find((_, index) => VIEWS[index] === name);
+    return this.app.views.list.find(view => view.name === name);
   }
 
   async save() {

@@ -9,7 +9,7 @@ import {createAttributes} from './attributes.js';
 
 /** Kinds of findings that can make a picture misleading. They are marked. */
 const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',
-  'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
+  'missing volumes', 'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
 /** The kinds of findings, as the page writes them. */
 const KINDS = new Map([['note', say`note`], ['conversion', say`conversion`],
   ['assumption', say`assumption`], ['reflection', say`reflection`],
