@@ -129,7 +129,7 @@ test('the language is the browser\'s until the user chooses one, and is kept', a
   const language = () => page.locator('html').getAttribute('lang');
   const opened = () => page.waitForFunction(() => globalThis.pxpl5?.frames > 0);
   assert.equal(await language(), 'de', 'as the browser');
-  await page.getByTestId('view-menu').click();
+  await page.keyboard.press('?');
   assert.equal(await page.getByTestId('choice-de').getAttribute('aria-checked'), 'true');
   const { digest } = await settled(page);
   await Promise.all([page.waitForNavigation(), page.getByTestId('choice-en').click()]);

@@ -1,6 +1,7 @@
 // The help sheet: gestures, keys, panels and surfaces.
 import {h} from '../elements/dom.js';
 import {say} from '../texts/say.js';
+import {createLanguage} from './language.js';
 
 /**
  * What is pressed or moved, what it does, and, for keys, their names as in KeyboardEvent.key. A
@@ -85,6 +86,7 @@ export function createHelp(headset, tour) {
       dialog.close();
       tour();
     }}, say`Tour of the machine`)),
+    createLanguage(),
     h('div', {class: 'sheet'}, ...SHEET.map(([title, rows]) => h('section', {}, h('h3', {}, title),
       h('dl', {}, ...rows.flatMap(([key, what, keys]) => [h('dt', {'data-keys': keys}, key),
         h('dd', {}, what)]))))));

@@ -10,5 +10,6 @@ export function createLanguage() {
     help: say`Language of this page. Messages of the machine are in English.`})), changeLanguage);
   row.show(language);
   row.element.setAttribute('translate', 'no');
-  return h('div', {class: 'row spread'}, h('span', {class: 'muted'}, say`Language`), row.element);
+  return h('div', {class: 'row languages'}, h('span', {class: 'muted'}, say`Language`),
+    row.element);
 }

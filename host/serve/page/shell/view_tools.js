@@ -4,7 +4,6 @@ import {byId, h, update} from '../elements/dom.js';
 import {icon, setIcon} from '../elements/icons.js';
 import {choiceRow} from '../panel/panel_parts.js';
 import {say} from '../texts/say.js';
-import {createLanguage} from './language.js';
 import {createTheme} from './theme.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -37,9 +36,9 @@ export function createViewTools(app) {
   const tools = h('div', {class: 'row view-tools'}, layoutChoice(app),
     h('div', {class: 'row pair'}, ...SIDES.map(each => sideButton(app, each))), fullButton());
   const menu = h('div', {id: 'view-menu', role: 'group', 'aria-label': say`View`, hidden: true},
-    createTheme(), createLanguage());
+    createTheme());
   const button = h('button', {class: 'icon', 'data-testid': 'view-menu', 'aria-label': say`View`,
-    title: say`Theme and language; in narrow windows also layout, sides, full screen`,
+    title: say`Theme; in narrow windows also layout, sides, full screen`,
     'aria-expanded': false, 'aria-controls': menu.id,
     onclick: () => open(menu.hidden !== false)}, icon('view'));
   const place = h('div', {class: 'view-place'}, tools, button, menu);

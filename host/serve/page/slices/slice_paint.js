@@ -4,6 +4,7 @@ import {significant} from '../elements/numbers.js';
 import {paintMarks} from './mark_paint.js';
 import {insideOf} from './slice_fill.js';
 import {boxAt, pixelAt, placedIn} from './slice_pixels.js';
+import {SLAB_KINDS} from './slice_slab.js';
 
 /** @typedef {import('./patient_grid.js').Vector} Vector */
 /** @typedef {import('./slice_pixels.js').Placed} Placed */
@@ -197,8 +198,8 @@ function paintLetters({canvas, context, slice: {letters, slab}, width, height, u
     places.push([`${significant(times, 2)} ×`, LETTER_MARGIN, upper, 'left']);
   }
   if (slab) {
-    places.push([`${slab.kind} ${significant(slab.thickness_mm, 4)} mm`, LETTER_MARGIN,
-      height - upper, 'left']);
+    places.push([`${SLAB_KINDS[slab.kind]} ${significant(slab.thickness_mm, 4)} mm`,
+      LETTER_MARGIN, height - upper, 'left']);
   }
   for (const [letter, x, y, align] of places) {
     context.textAlign = align;

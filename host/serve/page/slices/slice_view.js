@@ -48,7 +48,7 @@ export class SliceView {
     /** @private */ this.image_ = h('canvas');
     this.canvas = h('canvas', {
       class: 'slice-canvas', tabindex: 0, role: 'application',
-      'aria-label': `${plane} slice`,
+      'aria-label': sliceWord(plane),
       'data-testid': `slice-${plane.toLowerCase()}`,
     });
     this.draw = onceAFrame(() => this.draw_());

@@ -1,13 +1,13 @@
 // German texts of the room "headset".
 export default {
   'Grip': 'Griff',
-  'hold and turn the patient; with both hands: scale': 'den Patienten halten und drehen; mit beiden Händen: vergrößern',
+  'hold and turn the patient; with both hands: scale': 'den Patienten halten und drehen; mit beiden Händen: skalieren',
   'Trigger': 'Abzug',
   'move a clip plane; pull it out of the patient to remove it': 'eine Schnittebene bewegen; aus dem Patienten ziehen entfernt sie',
   'Stick': 'Stick',
   'up or down changes the isovalue of the chosen surface': 'auf oder ab ändert den Schwellenwert der gewählten Oberfläche',
   'A or X': 'A oder X',
-  'put the patient before you again': 'den Patienten wieder vor Sie stellen',
+  'put the patient before you again': 'den Patienten wieder vor sich stellen',
   'B or Y': 'B oder Y',
   'at two places: measure their distance': 'an zwei Stellen: ihre Strecke messen',
   'Shown in the headset.': 'Im Headset gezeigt.',

@@ -179,7 +179,7 @@ export default {
   'Show the left side: surfaces (key ,)': 'Linke Seite einblenden: Oberflächen (Taste ,)',
   'Hide the right side: panels (key .)': 'Rechte Seite ausblenden: Felder (Taste .)',
   'Show the right side: panels (key .)': 'Rechte Seite einblenden: Felder (Taste .)',
-  'Theme and language; in narrow windows also layout, sides, full screen': 'Farbschema und Sprache; in schmalen Fenstern auch Anordnung, Seiten, Vollbild',
+  'Theme; in narrow windows also layout, sides, full screen': 'Farbschema; in schmalen Fenstern auch Anordnung, Seiten, Vollbild',
   'Layout': 'Anordnung',
   'Full screen': 'Vollbild',
   'Leave full screen (key F)': 'Vollbild verlassen (Taste F)',
