@@ -28,6 +28,19 @@ std::string dump(const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
+/// A text of pxpl5-io as JSON. Discarded if it is none, or if it is nested more deeply than any
+/// answer is: dump() and copies recurse, and the process may be in the hands of a file.
+Json parse_answer(const std::string& text) {
+    constexpr int max_depth = 16;
+    bool is_too_deep = false;
+    const auto note_depth = [&is_too_deep](int depth, Json::parse_event_t, const Json&) {
+        is_too_deep = is_too_deep || depth > max_depth;
+        return !is_too_deep;
+    };
+    Json json = Json::parse(text, note_depth, false);
+    return is_too_deep ? Json(Json::value_t::discarded) : json;
+}
+
 /// The words of pxpl5-io for a question; none if the message is another one. No word from outside
 /// can be taken for an option.
 std::vector<std::string> words_of(const Json& ask, const ScanQuestions::OpenScan& open) {
@@ -111,7 +124,7 @@ std::string message_of(std::uint32_t id, const std::vector<std::string>& questio
         }
         return answer_message(id, answer);
     }
-    const Json attributes = Json::parse(end.out, nullptr, false);
+    const Json attributes = parse_answer(end.out);
     if (!attributes.is_object()) {
         throw RequestError(
             ExitCode::bad_data,
@@ -126,7 +139,7 @@ SeriesAnswer read_series_lines(const std::string& lines, const std::string& note
     std::istringstream stream(lines);
     std::string text;
     std::getline(stream, text);
-    const Json list = Json::parse(text, nullptr, false);
+    const Json list = parse_answer(text);
     if (!list.is_object() || !list.contains("series") || !list["series"].is_array()) {
         throw RequestError(ExitCode::bad_data,
                            note.empty() ? "pxpl5-io has listed no series" : note);
@@ -139,7 +152,7 @@ SeriesAnswer read_series_lines(const std::string& lines, const std::string& note
     }
     std::string pixels;
     while (std::getline(stream, text)) {
-        const Json line = Json::parse(text, nullptr, false);
+        const Json line = parse_answer(text);
         if (line.is_object() && line.contains("thumbnail")) {
             add_thumbnail(line, rows, pixels);
         }

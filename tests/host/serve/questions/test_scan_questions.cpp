@@ -129,6 +129,21 @@ TEST_CASE("lines that are cut or lie leave the thumbnail out") {
     }
 }
 
+TEST_CASE("answers that are nested too deeply are no answers") {
+    const auto nested = [](int depth) {
+        return std::string(static_cast<std::size_t>(depth), '[') +
+               std::string(static_cast<std::size_t>(depth), ']');
+    };
+    const auto row = [&](int depth) { return R"({"series":[{"a":)" + nested(depth) + "}]}\n"; };
+    CHECK(Json::parse(read_series_lines(row(8), "").json)["series"].size() == 1);
+    for (const int depth : {17, 250'000}) {
+        CHECK_THROWS_WITH_AS(read_series_lines(row(depth), ""), "pxpl5-io has listed no series",
+                             RequestError);
+        const std::string line = R"({"thumbnail":1,"a":)" + nested(depth) + "}\n";
+        CHECK(read_series_lines(list + line, "").pixels.empty());
+    }
+}
+
 TEST_CASE("an answer without a list is an error that says why") {
     for (const std::string lines : {"", "{\"series\":[{\"numb", "{\"series\":3}\n", "[]\n"}) {
         CAPTURE(lines);
