@@ -10,6 +10,7 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
@@ -77,9 +78,10 @@ void check_options(const ServerOptions& options) {
                         options.bind));
     }
     for (const std::string& file : {options.tls_cert, options.tls_key}) {
-        if (!file.empty() && access(file.c_str(), R_OK) != 0) {
-            throw RequestError(ExitCode::bad_data,
-                               fmt::format("cannot read {}: {}", file, std::strerror(errno)));
+        // libwebsockets would open a FIFO, and wait for its other end without a limit.
+        const std::string why = file.empty() ? "" : why_unreadable(file);
+        if (!why.empty()) {
+            throw RequestError(ExitCode::bad_data, fmt::format("cannot read {}: {}", file, why));
         }
     }
 }

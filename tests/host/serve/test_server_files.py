@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Uploads, downloads, and how the server starts: test_server_files.py ECHO_SERVER."""
 import json
+import os
 import pathlib
 import shutil
 import socket
@@ -94,7 +95,13 @@ class Start(unittest.TestCase):
         self.assertIn("not 'localhost'", self.fails(64, "bind", "localhost"))
         self.assertIn("not 65536", self.fails(64, "port", "65536"))
         self.assertIn("must be given together", self.fails(64, "cert", "c.pem"))
-        self.assertIn("cannot read c.pem", self.fails(65, "cert", "c.pem", "key", "k.pem"))
+        self.assertIn("cannot read c.pem: does not exist",
+                      self.fails(65, "cert", "c.pem", "key", "k.pem"))
+        with tempfile.TemporaryDirectory() as folder:
+            fifo = f"{folder}/fifo"
+            os.mkfifo(fifo)
+            self.assertIn(f"cannot read {fifo}: is a FIFO, not a file",
+                          self.fails(65, "cert", __file__, "key", fifo))
         self.assertRegex(
             self.fails(65, "cert", __file__, "key", __file__),
             rf"the certificate {__file__} and the key {__file__} cannot be used: .*PEM")
