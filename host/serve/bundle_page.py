@@ -5,8 +5,8 @@ usage: bundle_page.py ESBUILD PAGE OUT
 
 Writes main.js, page.css, light.css, their source maps and index.html to OUT. index.html names
 these files with a hash of their bytes (main.js?v=...), so that a browser may keep them until they
-change. What main.js imports later (the texts of another language) has a file of its own, whose name
-contains a hash.
+change. What main.js imports later (the texts of another language) has a file of its own. Its name
+stays the same, so that a running server, which knows its files by name, finds it after a change.
 """
 import hashlib
 import pathlib
@@ -30,11 +30,9 @@ def with_hashes(page, folder):
 def main(esbuild, source, out):
     source, out = pathlib.Path(source), pathlib.Path(out)
     out.mkdir(parents=True, exist_ok=True)
-    for former in out.glob("*-*.js*"):  # Modules that main.js no longer imports.
-        former.unlink()
-    subprocess.run([esbuild, *ENTRIES, "--bundle", "--splitting", "--minify", "--format=esm",
-                    "--target=es2022", "--sourcemap", "--log-level=warning",
-                    f"--outdir={out.resolve()}"], cwd=source, check=True)
+    subprocess.run([esbuild, *ENTRIES, "--bundle", "--splitting", "--chunk-names=[name]",
+                    "--minify", "--format=esm", "--target=es2022", "--sourcemap",
+                    "--log-level=warning", f"--outdir={out.resolve()}"], cwd=source, check=True)
     page = (source / "index.html").read_text(encoding="utf-8")
     (out / "index.html").write_text(with_hashes(page, out), encoding="utf-8")
 

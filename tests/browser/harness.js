@@ -88,10 +88,11 @@ export async function launchBrowser(rule = '') {
  * Opens a page and waits until it shows a picture.
  * @param {object} options of the browser's context, such as `viewport` in CSS pixels; `scripts` are
  *   functions or texts that run in the page before its own code, `script` is one of them;
- *   `unbundled` loads the page's modules one by one, so that a test may watch their classes
+ *   `unbundled` loads the page's modules one by one, so that a test may watch their classes;
+ *   `refused` is a pattern of addresses that the browser cannot load
  * @returns `close` fails the test if the page complained: errors in the console or not caught
  */
-export async function openPage(browser, url, { script, scripts = [script], unbundled,
+export async function openPage(browser, url, { script, scripts = [script], unbundled, refused,
                                                       ...options } = {}) {
   const context = await browser.newContext(
     { viewport: { width: 1280, height: 720 }, acceptDownloads: true, ...options });
@@ -102,6 +103,7 @@ export async function openPage(browser, url, { script, scripts = [script], unbun
   if (unbundled) {
     await context.route('**/main.js?*', route => route.fulfill({ path: MAIN_MODULE }));
   }
+  if (refused) await context.route(refused, route => route.abort());
   const page = await context.newPage();
   const complaints = [];
   page.on('pageerror', error => complaints.push(String(error.stack)));

@@ -81,7 +81,7 @@ function start() {
   const actions = {
     undo: () => app.history.go('undo'), redo: () => app.history.go('redo'),
     open: createOpenDialog(app), save: createSaveDialog(app),
-    help: createHelp(headset.help, tour.open), fullScreen: toggleFullScreen, tour: tour.open,
+    help: createHelp(app, headset.help, tour.open), fullScreen: toggleFullScreen, tour: tour.open,
     leave: tour.close,
   };
   createBar(app, actions, headset.button);

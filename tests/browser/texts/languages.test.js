@@ -124,6 +124,36 @@ test('German fits its places in all parts of the page, at 390 and 1280 pixels', 
   await close();
 });
 
+test('measurements are lost only if the user says so', async () => {
+  const { page, close } = await openPage(browser, server.url);
+  await page.getByTestId('choice-measure').click();
+  const box = await page.getByTestId('slice-axial').boundingBox();
+  for (const share of [0.4, 0.6]) {
+    await page.mouse.click(box.x + box.width * share, box.y + box.height / 2);
+  }
+  await page.getByTestId('measure-list').locator('b').first().waitFor({ state: 'attached' });
+  await page.keyboard.press('?');
+  const questions = [];
+  page.once('dialog', async dialog => {
+    questions.push(dialog.message());
+    await dialog.dismiss();
+  });
+  await page.getByTestId('choice-de').click();
+  assert.match(questions.join(), /^Your measurements would be lost/);
+  assert.equal(await page.getByTestId('choice-en').getAttribute('aria-checked'), 'true');
+  assert.equal(await page.getByTestId('measure-list').locator('b').count(), 1);
+  await close();
+});
+
+test('without its texts, the page is in English', async () => {
+  const { page, complaints, context } = await openPage(browser, inLanguage('de'), {
+    refused: '**/de.js' });
+  assert.equal(await page.locator('html').getAttribute('lang'), 'en');
+  assert.equal(await page.getByTestId('undo').getAttribute('aria-label'), 'Undo');
+  assert.deepEqual(complaints.filter(each => !each.includes('ERR_FAILED')), []);
+  await context.close();
+});
+
 test('the language is the browser\'s until the user chooses one, and is kept', async () => {
   const { page, close } = await openPage(browser, server.url, { locale: 'de-AT' });
   const language = () => page.locator('html').getAttribute('lang');

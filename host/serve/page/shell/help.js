@@ -69,11 +69,12 @@ const SHEET = [
 ];
 
 /**
+ * @param {import('../panel/app.js').App} app
  * @param {HTMLElement} headset  What there is to say about a headset.
  * @param {() => void} tour
  * @returns {() => void} shows the sheet
  */
-export function createHelp(headset, tour) {
+export function createHelp(app, headset, tour) {
   const dialog = h('dialog', {id: 'help', 'aria-labelledby': 'help-title',
     'data-testid': 'help-sheet'},
     h('div', {class: 'row spread'}, h('h2', {id: 'help-title'}, say`Help`),
@@ -86,7 +87,7 @@ export function createHelp(headset, tour) {
       dialog.close();
       tour();
     }}, say`Tour of the machine`)),
-    createLanguage(),
+    createLanguage(app),
     h('div', {class: 'sheet'}, ...SHEET.map(([title, rows]) => h('section', {}, h('h3', {}, title),
       h('dl', {}, ...rows.flatMap(([key, what, keys]) => [h('dt', {'data-keys': keys}, key),
         h('dd', {}, what)]))))));

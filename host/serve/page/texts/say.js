@@ -31,16 +31,21 @@ function kept() {
   }
 }
 
-/** The page's language: as the address says, as the user chose, or as the browser prefers. */
-export const language = (() => {
+/** As the address says, as the user chose, or as the browser prefers. */
+const wanted = (() => {
   const preferred = typeof document === 'undefined' ? [] : navigator.languages;
-  const known = [asked(), kept(), ...preferred].map(code => code?.split('-')[0])
+  const known = [asked(), kept(), ...preferred].map(code => code?.toLowerCase().split('-')[0])
     .find(code => code !== undefined && Object.hasOwn(LANGUAGES, code));
   return /** @type {Language} */ (isMarked ? 'en' : known ?? 'en');
 })();
 
+/** Null for English, and if the texts cannot be loaded. */
+const loaded = await CATALOGS[wanted]?.().catch(() => null) ?? null;
 /** @type {Record<string, string>} */
-const catalog = (await CATALOGS[language]?.())?.default ?? {};
+const catalog = loaded?.default ?? {};
+
+/** The language of the page. @type {Language} */
+export const language = loaded ? wanted : 'en';
 
 /**
  * The key of a template: parts are numbered, and a line break with the spaces around it is one
@@ -110,16 +115,18 @@ export function translatePage() {
 }
 
 /**
- * Opens the page again in another language. The server keeps the state.
+ * Opens the page again in another language. The server keeps the scene; what only the page has,
+ * as measurements, is lost.
  * @param {Language} code
  */
 export function changeLanguage(code) {
+  const url = new URL(location.href);
   try {
     localStorage.setItem(KEPT, code);
+    url.searchParams.delete('lang');  // Else the address would decide at each visit.
   } catch {
-    // Only the address says it.
+    url.searchParams.set('lang', code);
   }
-  const url = new URL(location.href);
-  url.searchParams.set('lang', code);
-  location.replace(url);
+  history.replaceState(history.state, '', url);
+  location.reload();
 }

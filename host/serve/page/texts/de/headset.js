@@ -9,7 +9,7 @@ export default {
   'A or X': 'A oder X',
   'put the patient before you again': 'den Patienten wieder vor sich stellen',
   'B or Y': 'B oder Y',
-  'at two places: measure their distance': 'an zwei Stellen: ihre Strecke messen',
+  'at two places: measure their distance': 'an zwei Stellen: ihren Abstand messen',
   'Shown in the headset.': 'Im Headset gezeigt.',
   'The headset shows a menu of its own over the patient.': 'Das Headset zeigt ein eigenes Menü über dem Patienten.',
   'The headset is paused: it is taken off, or shows something else.': 'Das Headset pausiert: Es ist abgesetzt oder zeigt etwas anderes.',

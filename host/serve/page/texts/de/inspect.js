@@ -20,7 +20,7 @@ export default {
   'Click the points of a path on a surface. Enter ends it. Press Esc to stop.': 'Die Punkte eines Pfads auf einer Oberfläche anklicken. Die Eingabetaste schließt ihn ab. Esc beendet.',
   'Click a part of a surface to measure its volume. Press Esc to stop.': 'Teil einer Oberfläche anklicken, um sein Volumen zu messen. Esc beendet.',
   'Click a point on a surface, then type the note. Press Esc to stop.': 'Punkt auf einer Oberfläche anklicken, dann die Notiz eingeben. Esc beendet.',
-  'This part has no volume, because it or a part in it has holes. The watertight tables leave no holes.': 'Dieses Teil hat kein Volumen, weil es oder ein Teil darin Löcher hat. Die wasserdichten Tabellen lassen keine Löcher.',
+  'This part has no volume, because it or a part in it has holes. The watertight tables leave no holes.': 'Dieser Teil hat kein Volumen, weil er oder ein Teil darin Löcher hat. Die wasserdichten Tabellen lassen keine Löcher.',
   'Measure': 'Messen',
   'What to measure': 'Was gemessen wird',
   'Distance': 'Strecke',

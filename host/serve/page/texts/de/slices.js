@@ -57,7 +57,7 @@ export default {
   'What the slab shows': 'Was das Schichtpaket zeigt',
   'Slices that are slabs': 'Schichten, die Pakete sind',
   'all slices': 'alle Schichten',
-  'Shows the voxels of all slices within half of this thickness. 0: a single slice': 'Zeigt die Voxel aller Schichten im Abstand der halben Dicke. 0: eine einzelne Schicht',
+  'Shows the voxels of all slices within half of this thickness. 0: a single slice': 'Zeigt die Voxel aller Schichten, die höchstens um die halbe Dicke entfernt sind. 0: eine einzelne Schicht',
   'it is {0}, but {1} thicknesses of 0 to {2} mm with a kind are needed.': 'es ist {0}, aber {1} Dicken von 0 bis {2} mm mit einer Art sind nötig.',
   'Point': 'Punkt',
   'Move the crosshair, here and in the picture': 'Das Fadenkreuz bewegen, hier und im Bild',

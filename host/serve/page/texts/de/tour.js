@@ -74,7 +74,7 @@ export default {
   '{0} GPs': '{0} GPs',
   'Loading the scan took {0} there.': 'Das Laden der Aufnahme dauerte dort {0}.',
   'The limit is the unit “{0}”: {1} busy.': 'Die Grenze ist die Einheit „{0}“: zu {1} ausgelastet.',
-  'The result is modelled, not measured. Some parameters are published; others are recalled, derived or fitted.': 'Das Ergebnis ist modelliert, nicht gemessen. Einige Parameter sind veröffentlicht; andere sind erinnert, abgeleitet oder angepasst.',
+  'The result is modelled, not measured. Some parameters are published; others are recalled, derived or fitted.': 'Das Ergebnis ist modelliert, nicht gemessen. Einige Parameter sind veröffentlicht; andere stammen aus der Erinnerung, sind abgeleitet oder angepasst.',
   'Slices and a cell': 'Schichten und eine Zelle',
   'A triangle in a bin': 'Ein Dreieck in einem Fach',
   'The stream of a region': 'Der Befehlsstrom einer Bildregion',
