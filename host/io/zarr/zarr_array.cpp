@@ -11,7 +11,10 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <string_view>
+#include <utility>
 
+#include "host/base/json_depth.hpp"
 #include "host/io/formats/byte_source.hpp"
 #include "host/io/values/component.hpp"
 #include "host/io/values/header_text.hpp"
@@ -214,21 +217,16 @@ Json read_json(const fs::path& path, const fs::path& anchor, const AllowedFolder
                                       file.size_bytes(), max_json_bytes));
     }
     const std::vector<std::byte> bytes = bytes_of_file(file);
-    const auto* text = reinterpret_cast<const char*>(bytes.data());
-    bool is_too_deep = false;  // Copies of JSON recurse.
-    const auto check = [&](int depth, Json::parse_event_t, Json&) {
-        is_too_deep = is_too_deep || depth > max_json_depth;
-        return !is_too_deep;
-    };
-    Json json = Json::parse(text, text + bytes.size(), check, false);
-    if (is_too_deep) {
+    const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+    ParsedJson parsed = parse_json(text, max_json_depth);
+    if (parsed.levels > max_json_depth) {
         throw ImportError(
             fmt::format("{}: nests deeper than {} levels", path.string(), max_json_depth));
     }
-    if (!json.is_object()) {
+    if (!parsed.json.is_object()) {
         throw ImportError(path.string() + ": is no JSON object");
     }
-    return json;
+    return std::move(parsed.json);
 }
 
 ZarrArray read_zarr_array(const fs::path& folder, const fs::path& anchor,

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/json_depth.hpp"
 #include "host/base/kernel/run_program.hpp"
 #include "host/base/reply.hpp"
 #include "host/serve/director/inspector.hpp"
@@ -31,14 +32,8 @@ std::string dump(const Json& json) {
 /// A text of pxpl5-io as JSON. Discarded if it is none, or if it is nested more deeply than any
 /// answer is: dump() and copies recurse, and the process may be in the hands of a file.
 Json parse_answer(const std::string& text) {
-    constexpr int max_depth = 16;
-    bool is_too_deep = false;
-    const auto note_depth = [&is_too_deep](int depth, Json::parse_event_t, const Json&) {
-        is_too_deep = is_too_deep || depth > max_depth;
-        return !is_too_deep;
-    };
-    Json json = Json::parse(text, note_depth, false);
-    return is_too_deep ? Json(Json::value_t::discarded) : json;
+    constexpr int max_levels = 16;
+    return parse_json(text, max_levels).json;
 }
 
 /// The words of pxpl5-io for a question; none if the message is another one. No word from outside

@@ -2,11 +2,12 @@
 
 #include <fmt/core.h>
 
-#include <algorithm>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "host/base/command_line.hpp"
+#include "host/base/json_depth.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -37,20 +38,13 @@ std::optional<T> value(const Json& message, const char* key, Json::value_t type)
 
 /// Throws RequestError if lists or objects are nested too deeply for recursive code.
 Json parse(std::string_view text) {
-    int depth = 0;
-    const auto note_depth = [&depth](int outer, Json::parse_event_t event, const Json&) {
-        const bool begins =
-            event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-        depth = std::max(depth, begins ? outer + 1 : outer);
-        return depth <= max_depth;
-    };
-    Json message = Json::parse(text, note_depth, false);
-    if (depth > max_depth) {
+    ParsedJson message = parse_json(text, max_depth);
+    if (message.levels > max_depth) {
         refuse_command(
             fmt::format("message: '{}' has lists or objects in each other {} deep; {} may be",
-                        text.substr(0, quoted_bytes), depth, max_depth));
+                        text.substr(0, quoted_bytes), message.levels, max_depth));
     }
-    return message;
+    return std::move(message.json);
 }
 
 std::optional<std::uint32_t> id_of(const Json& message) {
