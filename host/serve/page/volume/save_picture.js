@@ -124,7 +124,7 @@ class PicturePart {
   async made(format) {
     const view = this.viewOf(this.what.value);
     if (view) {
-      return this.madeOf(view, this.what.value);
+      return this.madeOf(view);
     }
     const eye = eyeSize(this.app, this.size), marks = this.marks.checked;
     this.dialog.close();
@@ -147,10 +147,9 @@ class PicturePart {
   /**
    * The picture of a slice, which the page paints itself.
    * @param {import('../panel/views.js').View} view
-   * @param {string} viewName
    * @returns {Promise<Made>}
    */
-  async madeOf(view, viewName) {
+  async madeOf(view) {
     const size = this.size.size(view.size() ?? [1, 1]);
     this.dialog.close();
     const painted = view.painted({size, marks: this.marks.checked,
@@ -158,7 +157,7 @@ class PicturePart {
     paintLegend(contextOf(painted.canvas), this.app.picture.overlay, this.legendOf(painted),
       painted.scale);
     return {blob: await pngOf(painted.canvas), told: sizeText(size),
-      name: `${baseName(this.app)}-${viewName}.png`};
+      name: `${baseName(this.app)}-${view.name}.png`};
   }
 
   /**
