@@ -101,6 +101,15 @@ export async function drag(page, from, to, { steps = 8, button = 'left' } = {}) 
   await page.mouse.up({ button });
 }
 
+/** Measures a distance on the axial slice, across its middle. */
+export async function measureAcross(page) {
+  await page.getByTestId('choice-measure').click();
+  const box = await page.getByTestId('slice-axial').boundingBox();
+  for (const share of [0.4, 0.6]) {
+    await page.mouse.click(box.x + box.width * share, box.y + box.height / 2);
+  }
+}
+
 /** Drops files on the picture as a person does; paths are of this computer. */
 export async function drop(page, files) {
   const session = await page.context().newCDPSession(page);

@@ -5,7 +5,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { lookFor } from '../layout.js';
 import { browser, openPage, server, shoot, useServer } from '../harness.js';
-import { after, settled, unfold } from '../steps.js';
+import { after, measureAcross, settled, unfold } from '../steps.js';
 
 const axe = readFileSync(path.join(process.env.PXPL5_NODE_MODULES, 'axe-core/axe.min.js'), 'utf8');
 
@@ -186,11 +186,7 @@ test('paper has name, picture, slices and surfaces with values, and no button', 
 
 test('measurements are printed, with their values', async () => {
   const { page, close } = await openPage(browser, server.url);
-  await page.getByTestId('choice-measure').click();
-  const box = await page.getByTestId('slice-axial').boundingBox();
-  for (const share of [0.4, 0.6]) {
-    await page.mouse.click(box.x + box.width * share, box.y + box.height / 2);
-  }
+  await measureAcross(page);
   await page.getByTestId('tab-measure').click();
   const value = await page.getByTestId('measure-list').locator('b').innerText();
   await page.emulateMedia({ media: 'print' });

@@ -4,7 +4,7 @@ import test from 'node:test';
 
 import { browser, openPage, server, shoot, useServer } from '../harness.js';
 import { lookFor } from '../layout.js';
-import { settled, unfold } from '../steps.js';
+import { measureAcross, settled, unfold } from '../steps.js';
 
 useServer(['phantom:heart', 'resample=48x48x48']);
 
@@ -126,11 +126,7 @@ test('German fits its places in all parts of the page, at 390 and 1280 pixels', 
 
 test('measurements are lost only if the user says so', async () => {
   const { page, close } = await openPage(browser, server.url);
-  await page.getByTestId('choice-measure').click();
-  const box = await page.getByTestId('slice-axial').boundingBox();
-  for (const share of [0.4, 0.6]) {
-    await page.mouse.click(box.x + box.width * share, box.y + box.height / 2);
-  }
+  await measureAcross(page);
   await page.getByTestId('measure-list').locator('b').first().waitFor({ state: 'attached' });
   await page.keyboard.press('?');
   const questions = [];
