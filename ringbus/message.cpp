@@ -20,7 +20,15 @@ void check(bool good, const schema::Header& header, std::string_view field, std:
     }
 }
 
-/// Checks all fields of the header, including the size of the body.
+/// Returns true if the bytes are a well-formed message: no offset leads outside.
+bool is_well_formed(std::span<const std::uint8_t> body) {
+    flatbuffers::Verifier verifier(body.data(), body.size(), max_body_depth, max_body_tables);
+    return body.size() >= 2 * sizeof(flatbuffers::uoffset_t) &&
+           schema::MessageBufferHasIdentifier(body.data()) && schema::VerifyMessageBuffer(verifier);
+}
+
+}  // namespace
+
 void check_header(const schema::Header& header, std::size_t body_bytes) {
     constexpr auto last_kind = static_cast<std::uint16_t>(Body::MAX);
     check(header.magic() == header_magic, header, "magic", header.magic(), header_magic);
@@ -35,15 +43,6 @@ void check_header(const schema::Header& header, std::size_t body_bytes) {
     check(header.body_bytes() == body_bytes, header, "body size", body_bytes, header.body_bytes());
     check(body_bytes <= max_body_bytes, header, "body size", body_bytes, max_body_bytes);
 }
-
-/// Returns true if the bytes are a well-formed message: no offset leads outside.
-bool is_well_formed(std::span<const std::uint8_t> body) {
-    flatbuffers::Verifier verifier(body.data(), body.size(), max_body_depth, max_body_tables);
-    return body.size() >= 2 * sizeof(flatbuffers::uoffset_t) &&
-           schema::MessageBufferHasIdentifier(body.data()) && schema::VerifyMessageBuffer(verifier);
-}
-
-}  // namespace
 
 Message::Message(const schema::Header& header, std::span<const std::uint8_t> body,
                  std::shared_ptr<const void> owner)

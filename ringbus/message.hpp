@@ -108,6 +108,9 @@ class Message {
     std::shared_ptr<const void> owner_;
 };
 
+/// Checks all fields of the header, including the size of the body. Throws BadMessage.
+void check_header(const schema::Header& header, std::size_t body_bytes);
+
 /// True if messages of this kind belong to a frame.
 bool is_of_frame(Body kind);
 

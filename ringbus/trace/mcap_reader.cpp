@@ -11,6 +11,7 @@
 #include <cstring>
 
 #include "ringbus/trace/error.hpp"
+#include "ringbus/trace/mcap_chunk.hpp"
 
 namespace pxpl5::bus::trace::mcap {
 
@@ -18,9 +19,6 @@ namespace {
 
 constexpr std::size_t tail_bytes = record_head_bytes + footer_bytes + magic.size();
 constexpr std::size_t piece_bytes = std::size_t{1} << 20;  ///< Bytes of the summary per read.
-/// The last message of a chunk begins before this byte: behind a full chunk comes at most a
-/// channel.
-constexpr std::size_t last_begin_bytes = chunk_bytes + (std::size_t{64} << 10);
 
 struct Record {
     Op op{};
@@ -34,96 +32,6 @@ struct Record {
 std::uint64_t limit_of(Op op) {
     return op == Op::chunk ? ZSTD_COMPRESSBOUND(max_chunk_bytes) + max_record_bytes
                            : max_record_bytes;
-}
-
-void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted) {
-    if (wanted != 0 && got != wanted) {  // 0 means: no checksum.
-        throw Damage(fmt::format("the CRC of {} is {:08x}, recorded is {:08x}", of, got, wanted));
-    }
-}
-
-struct FreeReadingContext {
-    void operator()(ZSTD_DCtx* context) const { ZSTD_freeDCtx(context); }
-};
-
-/// Returns the first `count` bytes of compressed data, or less if the data end before.
-Bytes first_bytes(std::span<const std::uint8_t> data, std::size_t count) {
-    const std::unique_ptr<ZSTD_DCtx, FreeReadingContext> context(ZSTD_createDCtx());
-    Bytes out(count);
-    ZSTD_outBuffer to{out.data(), out.size(), 0};
-    ZSTD_inBuffer from{data.data(), data.size(), 0};
-    for (std::size_t before = 1; to.pos < to.size && before != to.pos + from.pos;) {
-        before = to.pos + from.pos;
-        const std::size_t left = ZSTD_decompressStream(context.get(), &to, &from);
-        if (ZSTD_isError(left) != 0) {
-            throw Damage(fmt::format("compressed data: {}", ZSTD_getErrorName(left)));
-        }
-    }
-    out.resize(to.pos);
-    return out;
-}
-
-/// Throws Damage unless a chunk of `size` bytes that begins with `begin` can be one that a writer
-/// writes: whole records, of which only the last, a message, ends behind the last_begin_bytes.
-void check_large_chunk(std::span<const std::uint8_t> begin, std::uint64_t size) {
-    const auto refuse = [size](std::uint64_t offset) {
-        throw Damage(
-            fmt::format("a chunk of {} bytes with no message to its end at byte {}", size, offset));
-    };
-    for (std::uint64_t offset = 0; offset < size;) {
-        if (offset + record_head_bytes > begin.size()) {
-            refuse(offset);
-        }
-        In in(begin.subspan(static_cast<std::size_t>(offset)));
-        const Op op{in.number<std::uint8_t>()};
-        const auto length = in.number<std::uint64_t>();
-        const bool is_whole = length <= size - offset - record_head_bytes;
-        const bool is_last = is_whole && offset + record_head_bytes + length == size;
-        if (!is_whole || (op != Op::message && op != Op::schema && op != Op::channel) ||
-            (is_last && op != Op::message)) {
-            refuse(offset);
-        }
-        offset += record_head_bytes + length;
-    }
-}
-
-Bytes uncompressed(std::span<const std::uint8_t> bytes, std::uint64_t size) {
-    if (size > max_chunk_bytes) {
-        throw Damage(fmt::format("a chunk of {} bytes, the limit is {}", size, max_chunk_bytes));
-    }
-    // Checked before allocation, so that a few damaged bytes cannot claim a gigabyte.
-    const std::uint64_t stated = ZSTD_getFrameContentSize(bytes.data(), bytes.size());
-    if (stated != size) {
-        throw Damage(fmt::format("compressed data that does not hold {} bytes", size));
-    }
-    if (size > last_begin_bytes) {
-        check_large_chunk(first_bytes(bytes, last_begin_bytes), size);
-    }
-    Bytes out(static_cast<std::size_t>(size));
-    const std::size_t got = ZSTD_decompress(out.data(), out.size(), bytes.data(), bytes.size());
-    if (ZSTD_isError(got) != 0 || got != size) {
-        throw Damage(fmt::format("compressed data: {}", ZSTD_isError(got) != 0
-                                                            ? ZSTD_getErrorName(got)
-                                                            : "it ends too early"));
-    }
-    return out;
-}
-
-/// Returns the records in the content of a chunk record.
-Bytes chunk_records(std::span<const std::uint8_t> content) {
-    In in(content);
-    in.raw(2 * sizeof(std::uint64_t));  // First and last time.
-    const auto size = in.number<std::uint64_t>();
-    const auto crc = in.number<std::uint32_t>();
-    const std::string compression = in.text();
-    const auto data = in.raw(in.number<std::uint64_t>());
-    if (compression != "zstd" && !compression.empty()) {
-        throw Damage(fmt::format("a chunk compressed by '{}', expected zstd", compression));
-    }
-    Bytes records =
-        compression.empty() ? Bytes(data.begin(), data.end()) : uncompressed(data, size);
-    check_crc("a chunk", crc_of(records), crc);
-    return records;
 }
 
 /// Checks records that reading does not need. A chunk with a damaged opcode is then not mistaken
@@ -221,7 +129,10 @@ std::uint64_t Reader::Parts::visit(const Visitor& visitor, std::uint64_t& offset
             const std::string name = in.text();
             visitor.metadata(name, in.texts());
         } else if (record.op == Op::chunk) {
-            visitor.chunk(offset, chunk_records(record.content()));
+            for_each_message(record.content(), [&](const MessageRecord& message) {
+                visitor.message(offset, message);
+            });
+            visitor.chunk_end();
         } else if (record.op == Op::data_end) {
             check_crc("all that precedes", crc, In(record.content()).number<std::uint32_t>());
             return offset + record.bytes.size();
@@ -310,35 +221,6 @@ Bytes Reader::chunk(std::uint64_t offset) const {
         throw Damage(fmt::format("no chunk at offset {}", offset));
     }
     return chunk_records(record.content());
-}
-
-MessageRecord message_at(std::span<const std::uint8_t> records, std::uint64_t offset) {
-    if (offset > records.size()) {
-        throw Damage(fmt::format("no message at byte {} of a chunk of {}", offset, records.size()));
-    }
-    In in(records.subspan(static_cast<std::size_t>(offset)));
-    const Op op{in.number<std::uint8_t>()};
-    In content(in.raw(in.number<std::uint64_t>()));
-    if (op != Op::message) {
-        throw Damage(fmt::format("no message at byte {} of a chunk", offset));
-    }
-    content.number<std::uint16_t>();
-    content.number<std::uint32_t>();
-    const auto log_time = content.number<std::uint64_t>();
-    content.number<std::uint64_t>();
-    return {offset, log_time, content.rest()};
-}
-
-void for_each_message(std::span<const std::uint8_t> records,
-                      const std::function<void(const MessageRecord&)>& take) {
-    for (In in(records); !in.empty();) {
-        const std::uint64_t offset = records.size() - in.size();
-        const Op op{in.number<std::uint8_t>()};
-        in.raw(in.number<std::uint64_t>());
-        if (op == Op::message) {
-            take(message_at(records, offset));
-        }
-    }
 }
 
 }  // namespace pxpl5::bus::trace::mcap

@@ -8,15 +8,18 @@
 #include <string>
 
 #include "ringbus/trace/mcap.hpp"
+#include "ringbus/trace/mcap_chunk.hpp"
 
 namespace pxpl5::bus::trace::mcap {
 
 /// Called by walk(). Each function may throw Damage for content that it cannot use.
 struct Visitor {
     std::function<void(const std::string& name, const Metadata&)> metadata;
-    /// offset   Offset of the chunk record in the file.
-    /// records  Content of the chunk.
-    std::function<void(std::uint64_t offset, std::span<const std::uint8_t> records)> chunk;
+    /// chunk    Offset of the message's chunk record in the file.
+    /// message  Of a long message only the begin, see for_each_message().
+    std::function<void(std::uint64_t chunk, const MessageRecord& message)> message;
+    /// Called behind the messages of each chunk that is whole.
+    std::function<void()> chunk_end;
 };
 
 class Reader {
@@ -30,29 +33,15 @@ class Reader {
     const std::filesystem::path& path() const;
     std::uint64_t size() const;  ///< Bytes of the file.
 
-    /// Visits metadata and chunks in the order of the file, up to its end or the first damage.
+    /// Visits metadata and messages in the order of the file, up to its end or the first damage.
     /// Returns "" for a complete file with valid checksums, else the reason for the early end.
     std::string walk(const Visitor& visitor) const;
-    /// Returns the content of the chunk record at `offset`. Throws Damage.
+    /// Returns the records in the chunk at `offset`. Throws Damage.
     Bytes chunk(std::uint64_t offset) const;
 
   private:
     struct Parts;
     std::unique_ptr<Parts> parts_;
 };
-
-/// A message record.
-struct MessageRecord {
-    std::uint64_t offset = 0;  ///< In the content of the chunk.
-    std::uint64_t log_time = 0;
-    std::span<const std::uint8_t> data;
-};
-
-/// Returns the message record at `offset` of a chunk's content. Throws Damage if none is there.
-MessageRecord message_at(std::span<const std::uint8_t> records, std::uint64_t offset);
-
-/// Calls back for each message of a chunk, in order. Throws Damage.
-void for_each_message(std::span<const std::uint8_t> records,
-                      const std::function<void(const MessageRecord&)>& take);
 
 }  // namespace pxpl5::bus::trace::mcap

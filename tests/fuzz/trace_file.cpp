@@ -58,13 +58,9 @@ Bases make_bases(const Scratch& scratch) {
     }
     writer.close();
     bases.written = bytes_of(path);
-    mcap::Bytes records;
-    mcap::Visitor visitor;
-    visitor.metadata = [](const std::string&, const mcap::Metadata&) {};
-    visitor.chunk = [&](std::uint64_t, std::span<const std::uint8_t> chunk) {
-        records.insert(records.end(), chunk.begin(), chunk.end());
-    };
-    require(mcap::Reader(path).walk(visitor).empty(), "a trace as it was written");
+    const trace::TraceFile file(path);
+    require(file.cut().empty(), "a trace as it was written");
+    const mcap::Bytes records = mcap::Reader(path).chunk(file.entries().front().chunk);
     bases.plain = plain_file(records);
     return bases;
 }
