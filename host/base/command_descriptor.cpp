@@ -64,14 +64,16 @@ std::vector<std::string_view> keys_of(const CommandDescriptor& command) {
     return keys;
 }
 
-/// A name with a line break would be two lines of a script.
+/// A name or a path with a line break would be two lines of a script.
 void check_printable(const CommandDescriptor& command, const Parameter& parameter,
                      const std::string& text) {
     const bool has_control =
         std::ranges::any_of(text, [](unsigned char c) { return c < ' ' || c == 0x7F; });
     if (has_control) {
-        refuse_command(fmt::format("{}: {} has a control character, for example a line break",
-                                   command.name, parameter.name));
+        const bool is_path = parameter.type != ValueType::text;
+        refuse_command(fmt::format("{}: {} has a control character, for example a line break{}",
+                                   command.name, parameter.name,
+                                   is_path ? "; rename the file or the folder" : ""));
     }
 }
 
@@ -96,9 +98,11 @@ void check_value(const CommandDescriptor& command, const Parameter& parameter,
             parse_color(text);
             break;
         case ValueType::output:
+            check_printable(command, parameter, text);
             check_output(command.name, text, parameter.choices);
             break;
         case ValueType::text:
+        case ValueType::file:
             check_printable(command, parameter, text);
             break;
         default:

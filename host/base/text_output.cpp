@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 
 namespace pxpl5::host {
 
@@ -30,9 +31,17 @@ void TextOutput::Close::operator()(std::FILE* file) const {
 }
 
 void TextOutput::put(std::string_view text) {
+    if (path_.empty()) {
+        raw(printable(text));  // It may have names and contents of files.
+    } else {
+        raw(text);
+    }
+}
+
+void TextOutput::raw(std::string_view bytes) {
     if (!file_) {
-        check(std::fwrite(text.data(), 1, text.size(), stream_.get()) == text.size());
-    } else if (file_->write(text); file_->has_failed()) {
+        check(std::fwrite(bytes.data(), 1, bytes.size(), stream_.get()) == bytes.size());
+    } else if (file_->write(bytes); file_->has_failed()) {
         fail(file_->keep());
     }
 }

@@ -20,8 +20,11 @@ class TextOutput {
     /// path  Empty or "-": standard output. Throws RequestError (failed) if it cannot be opened.
     explicit TextOutput(const std::string& path);
 
-    /// Throws OutputClosed; RequestError (failed) if writing fails otherwise.
+    /// Puts a text; on standard output printable. Throws OutputClosed; RequestError (failed) if
+    /// writing fails otherwise.
     void put(std::string_view text);
+    /// Puts bytes as they are: binary data, and texts with colors. Throws as put().
+    void raw(std::string_view bytes);
     /// Puts `text` and ends the line.
     void line(std::string_view text);
     /// Hands standard output's text to the system, for a reader who waits. Throws as put().

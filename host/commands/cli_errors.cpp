@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/nearest.hpp"
 #include "host/commands/commands.hpp"
 
@@ -135,14 +136,14 @@ int report_parse_error(const CLI::App& app, const CLI::ParseError& error) {
     }
     const CLI::App& inner = innermost(app);
     if (surplus) {
-        fmt::print(stderr, "error: {}\n", *surplus);
+        print_error(*surplus, 0);
     } else if (inner.get_require_subcommand_min() > 0) {
         fmt::print(stderr,
                    "error: {} needs a subcommand: {}\nRun with --help for more information.\n",
                    inner.get_name(), fmt::join(subcommands_of(inner), ", "));
     } else {
         fmt::print(stderr, "error: {}: {}\nusage: {}\nRun with --help for more information.\n",
-                   inner.get_name(), reason_of(error), usage_line(inner));
+                   inner.get_name(), printable(reason_of(error)), usage_line(inner));
     }
     return static_cast<int>(ExitCode::usage);
 }

@@ -198,7 +198,7 @@ class Script {
 
     bool run(const Arguments& arguments) {
         if (options_.echo && !options_.json) {
-            output_.print("> " + outcome_.command);
+            output_.print("> " + printable(outcome_.command));
         }
         const Reply reply = [&] {
             std::optional<PromptCommand> at_prompt;
@@ -210,7 +210,7 @@ class Script {
         const bool fails = options_.strict && !reply.warnings.empty();
         close_outcome();
         if (!options_.json || !fails) {
-            output_.print(options_.json ? json_line(outcome_, reply) : reply.text);
+            output_.print(options_.json ? json_line(outcome_, reply) : printable(reply.text));
         }
         return !fails || fail("--strict: " + reply.warnings.front(), ExitCode::warning, &reply);
     }

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -107,7 +108,7 @@ void Launcher::take_refusal(const bus::Refusal& refusal) {
         io_.offense = refusal;
     } else if (!over_) {
         fmt::print(stderr, "warning: the ring dropped {}; more of this kind are only counted\n",
-                   refusal.text);
+                   printable(refusal.text));
     }
 }
 
@@ -181,7 +182,7 @@ void Launcher::check_health() {
 void Launcher::check_heartbeat() {
     for (const Heartbeat::Finding& found : heartbeat_.look(now_ms())) {
         if (!found.is_dead) {
-            fmt::print(stderr, "warning: {}\n", found.text);
+            fmt::print(stderr, "warning: {}\n", printable(found.text));
             if (watcher_.tell_suspect) {
                 watcher_.tell_suspect(found.text);
             }
@@ -314,7 +315,7 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
             const std::string text =
                 fmt::format("{} cannot be ended: the kernel keeps it {} s after SIGKILL",
                             fmt::join(left, ", "), killed_ms / 1000);
-            fmt::print(stderr, "warning: {}\n", text);
+            fmt::print(stderr, "warning: {}\n", printable(text));
             cause = cause ? cause : MachineError(ExitCode::failed, text);
             break;
         }

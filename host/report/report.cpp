@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/text_output.hpp"
 #include "host/report/cluster_scaling.hpp"
 #include "host/report/fit_text.hpp"
@@ -42,7 +43,7 @@ class Progress {
 
     void tell(const std::string& text) const {
         if (is_shown_) {
-            fmt::print(stderr, "\r\x1b[K{}", text);
+            fmt::print(stderr, "\r\x1b[K{}", printable(text));
         }
     }
 

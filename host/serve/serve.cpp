@@ -234,7 +234,7 @@ int serve(const ServeOptions& options) {
                                  [&server](EndsSoon soon) { server.warn(std::move(soon)); });
         const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
             memory_error = why;
-            fmt::print(stderr, "error: {}\n", why);
+            fmt::print(stderr, "error: {}\n", printable(why));
             server.warn(EndsSoon{std::time(nullptr), why});
             kill(getpid(), SIGTERM);
         });

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -75,7 +76,7 @@ fs::path find_run(const std::string& text, const fs::path& base) {
 RecordedRun open_run(const std::string& text) {
     const fs::path path = find_run(text);
     if (is_latest(text)) {
-        fmt::print(stderr, "run: {}\n", path.string());
+        fmt::print(stderr, "run: {}\n", printable(path.string()));
     }
     return RecordedRun::open(path);
 }

@@ -6,6 +6,7 @@
 
 #include "host/base/answer.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/map/picture_file.hpp"
 #include "host/inspect/record/message_text.hpp"
@@ -196,7 +197,7 @@ void show(const ExecOptions& options, const Ran& ran, TextOutput& output) {
 void save_picture(const ExecOptions& options, const Ran& ran, TextOutput& output) {
     const FieldPicture picture = field_picture(ran.pixels(), parse_field(options.picture));
     if (!picture.warning.empty()) {
-        fmt::print(stderr, "warning: {}\n", picture.warning);
+        fmt::print(stderr, "warning: {}\n", printable(picture.warning));
     }
     write_png(options.output, region_px, region_px, picture.rgba);
     output.line(fmt::format("wrote {} ({}x{}){}{}", options.output, region_px, region_px,

@@ -3,6 +3,7 @@
 
 #include "host/base/answer.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/listing/stream_files.hpp"
 #include "host/inspect/listing/timeline.hpp"
@@ -86,7 +87,7 @@ int trace_export(const ExportOptions& options) {
         TextOutput output(options.chrome);
         const TimelineCounts counts = put_timeline(run, selection, options.events, output);
         output.finish();
-        fmt::print(stderr, "{}: {} events{}\n", options.chrome, grouped(counts.events),
+        fmt::print(stderr, "{}: {} events{}\n", printable(options.chrome), grouped(counts.events),
                    counts.messages_left_out == 0
                        ? ""
                        : fmt::format("; {} messages left out: --events allows more, --frame and "
@@ -94,7 +95,7 @@ int trace_export(const ExportOptions& options) {
                                      grouped(counts.messages_left_out)));
     } else {
         const StreamFiles files = write_streams(run, selection, options.streams);
-        fmt::print(stderr, "{}: {} files of {} regions\n", options.streams, files.files,
+        fmt::print(stderr, "{}: {} files of {} regions\n", printable(options.streams), files.files,
                    files.regions);
     }
     return 0;

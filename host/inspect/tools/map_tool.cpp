@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/map/map_picture.hpp"
 #include "host/inspect/map/map_values.hpp"
@@ -59,7 +60,7 @@ int trace_map(const MapOptions& options) {
     const RecordedRun run = open_run(has_run ? options.run : "");
     const RecordedFrame frame = run.frame(one_frame(run, options.selection));
     for (const std::string& reason : frame.missing) {
-        std::fputs(("note: " + reason + "; its regions are dark in the map\n").c_str(), stderr);
+        fmt::print(stderr, "note: {}; its regions are dark in the map\n", printable(reason));
     }
     const MapValues map = map_values(frame, kind);
     if (options.raw) {

@@ -29,7 +29,7 @@ int assemble_tool(const AsmOptions& options) {
     const std::vector<std::uint32_t> words =
         assemble_file(options.file, read_file(options.file), parse_parameters(options.parameters));
     TextOutput output(options.output);
-    output.put(options.output.empty() || options.hex ? hex_of(words) : binary_of(words));
+    output.raw(options.output.empty() || options.hex ? hex_of(words) : binary_of(words));
     output.finish();
     return 0;
 }

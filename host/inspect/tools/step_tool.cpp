@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/prompt.hpp"
 #include "host/base/text_output.hpp"
 #include "host/inspect/record/find_run.hpp"
@@ -88,13 +89,13 @@ int trace_step(const StepOptions& options) {
         try {
             const std::string answer = program.command(*line);
             if (!answer.empty()) {
-                output.line(answer);
+                output.raw(answer + "\n");  // Pictures have the escape codes of colors.
             }
         } catch (const RequestError& error) {
             output.flush();
-            std::fprintf(stderr, "error: %s\n", error.what());
+            const int code = print_error(error.what(), static_cast<int>(error.code));
             if (!is_prompt) {
-                return static_cast<int>(error.code);
+                return code;
             }
         }
     }

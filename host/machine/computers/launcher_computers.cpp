@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <iterator>
 
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 #include "host/machine/computers/facts.hpp"
 #include "host/machine/computers/network_rate.hpp"
@@ -90,10 +91,10 @@ std::vector<MachineNode> Launcher::nodes() const {
 
 void Launcher::print_news_of_computers() {
     for (const std::string& text : processes_.others().take_warnings()) {
-        fmt::print(stderr, "warning: {}\n", text);
+        fmt::print(stderr, "warning: {}\n", printable(text));
     }
     for (const std::string& text : processes_.others().take_news()) {
-        fmt::print(stderr, "note: {}\n", text);
+        fmt::print(stderr, "note: {}\n", printable(text));
         if (watcher_.tell_computer) {
             watcher_.tell_computer(text);
         }
