@@ -250,7 +250,7 @@ int info(Flags flags) {
     flags.machine.record = "off";
     std::optional<TemporaryFolder> folder;
     if (flags.machine.has_default_folder()) {
-        flags.machine.run_folder = folder.emplace("pxpl5-info").path().string();
+        flags.machine.run_folder = folder.emplace(info_folder).path().string();
     }
     return flags.machine.with_session([&](Session& session, MachinePort&) {
         return run_script(session, lines_of_commands({command}), script_options(flags));

@@ -1,11 +1,12 @@
 #include "host/base/state_folder.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
-#include <cerrno>
+#include <array>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
+#include <system_error>
 
 #include "host/base/error.hpp"
 
@@ -49,18 +50,23 @@ fs::path temporary_parent() {
     return fs::absolute(parent);  // A relative TMPDIR is one of the current folder.
 }
 
-TemporaryFolder::TemporaryFolder(const std::string& name) {
-    const fs::path parent = temporary_parent();
-    std::string pattern = parent / (name + "-XXXXXX");
-    if (mkdtemp(pattern.data()) == nullptr) {
-        refuse_temporary(parent.string(), std::strerror(errno));
+void remove_stale_temporary_folders() {
+    static const std::string info = fmt::format("{}-", info_folder);
+    static const std::string classes = fmt::format("{}-", class_folder);
+    std::error_code failure;
+    const fs::path parent = fs::temp_directory_path(failure);
+    if (!failure) {
+        remove_stale_folders(parent, std::array<std::string_view, 2>{info, classes},
+                             [](const fs::path&, bool has_lock) { return has_lock; });
     }
-    path_ = pattern;
 }
 
-TemporaryFolder::~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
+TemporaryFolder::TemporaryFolder(const std::string& name) {
+    const fs::path parent = temporary_parent();
+    remove_stale_temporary_folders();
+    if (const int reason = folder_.make(parent, name); reason != 0) {
+        refuse_temporary(parent.string(), std::strerror(reason));
+    }
 }
 
 }  // namespace pxpl5::host

@@ -23,8 +23,8 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/base/kernel/locked_folder.hpp"
 #include "host/base/kernel/owned_descriptor.hpp"
-#include "host/base/kernel/socket_folder.hpp"
 #include "host/machine/sessions/run_state.hpp"
 #include "ringbus/message.hpp"
 

@@ -6,6 +6,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -50,18 +51,32 @@ bool is_served(const fs::path& socket_path) {
     return !is_refused;
 }
 
-/// Removes folders of sockets at which no program listens any more. A young folder stays, because
-/// its program may be about to listen.
-void remove_stale_sockets(const fs::path& parent) {
-    std::error_code ignored;
-    for (const fs::directory_entry& entry : fs::directory_iterator(parent, ignored)) {
-        struct stat socket_facts {};
-        const fs::path host = entry.path() / "host";
-        if (is_stale_folder(entry.path(), "pxpl5-") && lstat(host.c_str(), &socket_facts) == 0 &&
-            S_ISSOCK(socket_facts.st_mode) && !is_served(host)) {
-            fs::remove_all(entry.path(), ignored);
-        }
+/// Removes a folder without a lock and without a host's socket, if it is empty and was empty for an
+/// hour: earlier versions made no locks, and have left such folders.
+void remove_empty(const fs::path& folder) {
+    constexpr std::chrono::hours age{1};
+    struct stat facts {};
+    if (lstat(folder.c_str(), &facts) == 0 && (facts.st_mode & ACCESSPERMS) == S_IRWXU &&
+        std::time(nullptr) - facts.st_mtime >= std::chrono::seconds(age).count()) {
+        ::rmdir(folder.c_str());
     }
+}
+
+/// Removes the folders of sockets whose program has ended: it has no lock any more, and no program
+/// listens at the socket `host`.
+void remove_stale_sockets(const fs::path& parent) {
+    constexpr std::array<std::string_view, 1> begins{"pxpl5-"};
+    remove_stale_folders(parent, begins, [](const fs::path& folder, bool has_lock) {
+        struct stat socket_facts {};
+        const fs::path host = folder / "host";
+        if (lstat(host.c_str(), &socket_facts) == 0 && S_ISSOCK(socket_facts.st_mode)) {
+            return !is_served(host);
+        }
+        if (!has_lock) {
+            remove_empty(folder);
+        }
+        return has_lock;
+    });
 }
 
 fs::path usual_socket_parent() {
@@ -72,29 +87,19 @@ fs::path usual_socket_parent() {
 
 }  // namespace
 
-bool is_stale_folder(const fs::path& folder, std::string_view begin) {
-    constexpr std::chrono::seconds youth{10};
-    constexpr std::size_t random_letters = 6;
-    const std::string name = folder.filename().string();
-    struct stat facts {};
-    return name.starts_with(begin) && name.size() == begin.size() + random_letters &&
-           lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
-           facts.st_uid == geteuid() && std::time(nullptr) - facts.st_mtime >= youth.count();
+SocketFolder::SocketFolder() : SocketFolder(usual_socket_parent()) {
+    remove_stale_temporary_folders();
 }
-
-SocketFolder::SocketFolder() : SocketFolder(usual_socket_parent()) {}
 
 SocketFolder::SocketFolder(const fs::path& parent) {
     remove_stale_sockets(parent);
-    std::string pattern = parent / "pxpl5-XXXXXX";
-    if (mkdtemp(pattern.data()) == nullptr) {
-        refuse("cannot make a folder for sockets", pattern, std::strerror(errno));
+    if (const int reason = folder_.make(parent, "pxpl5"); reason != 0) {
+        refuse("cannot make a folder for sockets", parent / "pxpl5-XXXXXX", std::strerror(reason));
     }
-    path_ = pattern;
 }
 
 void SocketFolder::mark_as_used() {
-    const std::string path = path_ / "host";
+    const std::string path = folder_.path() / "host";
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
     mark_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
@@ -111,8 +116,6 @@ SocketFolder::~SocketFolder() {
     if (mark_ >= 0) {
         ::close(mark_);
     }
-    std::error_code error;
-    fs::remove_all(path_, error);
 }
 
 std::string near_address(const std::filesystem::path& folder, const std::string& name) {

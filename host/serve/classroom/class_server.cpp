@@ -150,7 +150,7 @@ ClassServer::ClassServer(const ClassOptions& options, const ServerOptions& serve
     : options_(options),
       wanted_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)),
       alarm_(epoll_create1(EPOLL_CLOEXEC)),
-      logs_("pxpl5-class"),
+      logs_(class_folder),
       words_(words_without(options.words, options_of_class)),
       idle_limit_(options.idle_limit.empty() ? usual_idle_limit : options.idle_limit),
       idle_s_(parse_duration("--idle-limit", idle_limit_)),

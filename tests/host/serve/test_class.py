@@ -254,6 +254,24 @@ class Class(unittest.TestCase):
         self.assertLess(front.end(signal.SIGKILL)[0], 0)
         self.assert_end(watched)
 
+    def logs_of_classes(self):
+        return list(self.folder.glob("pxpl5-class-*"))
+
+    def test_the_logs_of_a_class_that_was_killed_go_with_the_next_start(self):
+        dead, alive = (self.front("--sessions", "1") for _ in range(2))
+        both = self.logs_of_classes()
+        self.assertEqual(len(both), 2)
+        self.assertLess(dead.end(signal.SIGKILL)[0], 0)
+        for folder in both:
+            os.utime(folder, (1, 1))
+        other = self.front("--sessions", "1")
+        left = self.logs_of_classes()
+        self.assertEqual(len(left), 2)
+        self.assertEqual(len(set(left) & set(both)), 1)
+        self.assertEqual(other.end()[0], 0)
+        self.assertEqual(alive.end()[0], 0)
+        self.assertEqual(self.logs_of_classes(), [])
+
     def test_a_class_that_cannot_work_does_not_start(self):
         port = str(self.free_port())
         for volume, words, code, reason in (

@@ -7,6 +7,7 @@ import fcntl
 import json
 import os
 import pathlib
+import select
 import shutil
 import socket
 import stat
@@ -174,6 +175,58 @@ class PrivateFiles(unittest.TestCase):
         self.assertEqual(sorted(os.listdir(self.sockets)),
                          [young.name, alive.name, "pxpl5-longer-name"])
         listening.close()
+
+    def start(self, *words, **more):
+        program = subprocess.Popen(
+            [BIN / "pxpl5", *words], stderr=subprocess.DEVNULL, cwd=self.work, text=True,
+            env={**os.environ, "XDG_STATE_HOME": str(self.state), "TMPDIR": str(self.sockets),
+                 "XDG_RUNTIME_DIR": str(self.sockets)}, **more)
+        self.addCleanup(program.wait)
+        self.addCleanup(program.kill)
+        return program
+
+    def assert_folders_go_with_the_next_start(self, program, count):
+        """The folders stay while the program lives; a start after its end removes them."""
+        folders = list(self.sockets.iterdir())
+        self.assertEqual(len(folders), count, folders)
+        nodes = [os.pidfd_open(pid) for pid in children_of(program.pid)]
+        self.assertGreaterEqual(len(nodes), 3)
+        for is_alive in (True, False):
+            if not is_alive:
+                program.kill()
+                program.wait()
+                for node in nodes:
+                    self.assertEqual(select.select([node], [], [], LIMIT_S)[0], [node])
+                    os.close(node)
+            for folder in folders:
+                os.utime(folder, (1, 1))
+            done = self.run_commands("presets", env={"TMPDIR": str(self.sockets)})
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual(sorted(self.sockets.iterdir()), sorted(folders) if is_alive else [])
+
+    def test_folders_of_a_killed_info_go_with_the_next_start(self):
+        reading, writing = os.pipe()  # A full pipe, so that the program waits in the midst.
+        with open(reading, "rb"), open(writing, "wb", buffering=0) as full:
+            os.set_blocking(writing, False)
+            while full.write(bytes(4096)):
+                pass
+            os.set_blocking(writing, True)
+            program = self.start("info", "phantom:sphere", stdout=full)
+            for node in ("gp-0", "renderer-0", "framebuffer-0"):
+                while not list(self.sockets.glob(f"pxpl5-??????/{node}")):
+                    self.assertIsNone(program.poll())
+            self.assertEqual(len(list(self.sockets.glob("pxpl5-info-*"))), 1)
+            self.assert_folders_go_with_the_next_start(program, 2)
+
+    def test_a_folder_without_a_socket_of_a_killed_host_goes_with_the_next_start(self):
+        with self.start("run", "--json", "--topology", "one-of-each", "--set",
+                        "ring.transport=tcp", "-", stdin=subprocess.PIPE,
+                        stdout=subprocess.PIPE) as program:
+            program.stdin.write("presets\n")
+            program.stdin.flush()
+            self.assertTrue(program.stdout.readline())
+            self.assertEqual(list(self.sockets.glob("*/host")), [])
+            self.assert_folders_go_with_the_next_start(program, 1)
 
     def test_a_folder_for_temporary_files_that_is_none_is_named(self):
         (self.folder / "file").write_text("")
