@@ -48,7 +48,7 @@ void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Rep
 Reply run_certificate(Session& session, const Arguments& arguments);
 Reply run_compare(Session& session, const Arguments& arguments);
 /// The certificate of a surface in a file.
-Certificate file_certificate(const WeldedFile& file);
+Certificate file_certificate(const WeldedFile& file, const Pause& pause = {});
 Reply run_export(Session& session, const Arguments& arguments);
 /// The files that `export` writes beside a mesh: the certificate, and the colors of an OBJ file.
 std::vector<std::string> files_beside_mesh(const std::string& mesh);

@@ -210,8 +210,8 @@ bool is_mesh_file(const std::string& word) {
 
 }  // namespace
 
-Certificate file_certificate(const WeldedFile& file) {
-    Certificate certificate = certify(file.mesh, patient_grid());
+Certificate file_certificate(const WeldedFile& file, const Pause& pause) {
+    Certificate certificate = certify(file.mesh, patient_grid(), pause);
     certificate.collapsed = file.collapsed;
     return certificate;
 }
@@ -262,15 +262,17 @@ void add_part(Session& session, const std::string& surface, glm::dvec3 p_mm, Rep
 namespace {
 
 Reply certify_file(Session& session, const std::string& path) {
-    Reply reply = certificate_reply(file_certificate(session.exports.read_mesh(path)), path);
+    const Pause pause = [&] { session.conversation.pause(path); };
+    Reply reply = certificate_reply(file_certificate(session.exports.read_mesh(path), pause), path);
     reply.fields.push_back({"of", "file"});
     return reply;
 }
 
 /// Certifies the whole surface, and warns where an export of the surface would be another mesh.
 Reply certify_surface(Session& session, const std::string& name) {
-    Reply reply =
-        certificate_reply(certify(session.meshes.fetch(name, true), session.meshes.grid()), name);
+    const Pause pause = session.meshes.pause_of(session.meshes.surface(name));
+    Reply reply = certificate_reply(
+        certify(session.meshes.fetch(name, true), session.meshes.grid(), pause), name);
     const ComponentFilter& filter = session.meshes.surface(name).components;
     const std::vector<std::string> clips = clip_words(session.scene);
     reply.fields.push_back({"of", "whole surface"});

@@ -101,6 +101,12 @@ void Conversation::take_arrived() {
     wait("background request", [] { return true; });  // Throws the fault that has arrived.
 }
 
+void Conversation::pause(const std::string& what) {
+    const Cancelable cancelable(*this);
+    machine_.name_work(what);
+    machine_.pump([this](const bus::Message& message) { take(message); }, [] { return true; });
+}
+
 void Conversation::discard_until(const Handler& take_one, const std::function<bool()>& done) {
     machine_.name_work("discarding a volume");
     machine_.pump(

@@ -96,6 +96,9 @@ class Conversation {
         Conversation& conversation_;
         bool before_;
     };
+    /// Looks at signals to the host and at viewers, once, while the host itself computes `what`.
+    /// Throws Canceled, MachineError.
+    void pause(const std::string& what);
     bool has_fault() const { return fault_.has_value(); }
     /// Pumps until `done` and gives messages, except activities, to `take` only. Drops the fault,
     /// if any.

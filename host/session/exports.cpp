@@ -117,7 +117,7 @@ Exports::ReadyMesh Exports::ready_for_file(const Surface& surface, const MeshExp
         ready.simplified = meshes_.fetch_simplified(surface, wish.detail);
     }
     if (wish.smoothing > 0) {
-        ready.smoothing = smooth_mesh(mesh, grid, wish.smoothing);
+        ready.smoothing = smooth_mesh(mesh, grid, wish.smoothing, meshes_.pause_of(surface));
     }
     if (wish.cap) {
         require_all_voxels(meshes_.volumes().volume(), "closing a surface at the border");

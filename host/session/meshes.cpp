@@ -61,8 +61,8 @@ Shown shown_by(const ComponentFilter& filter, const WeldedMesh& mesh, const Mesh
 }
 
 DrawnComponents drawn_by(const ComponentFilter& filter, const WeldedMesh& mesh,
-                         const VolumeGrid& grid) {
-    DrawnComponents drawn{find_components(mesh, grid), {}};
+                         const VolumeGrid& grid, const Pause& pause) {
+    DrawnComponents drawn{find_components(mesh, grid, pause), {}};
     drawn.shown = shown_by(filter, mesh, drawn.parts, grid);
     return drawn;
 }
@@ -166,19 +166,23 @@ void Meshes::show(const std::string& name, const WeldedMesh& mesh, const Shown& 
 }
 
 DrawnComponents Meshes::components(const Surface& surface) {
-    return drawn_by(surface.components, fetch(surface.name), grid());
+    return drawn_by(surface.components, fetch(surface.name), grid(), pause_of(surface));
+}
+
+Pause Meshes::pause_of(const Surface& surface) {
+    return [this, what = "work on the mesh of " + surface.name] { conversation_.pause(what); };
 }
 
 ChosenComponent Meshes::component_at(const Surface& surface, glm::dvec3 p_mm) {
     const WeldedMesh mesh = fetch(surface.name);
-    ChosenComponent chosen{find_components(mesh, grid()), 0};
+    ChosenComponent chosen{find_components(mesh, grid(), pause_of(surface)), 0};
     chosen.number = nearest_component(p_mm, mesh, chosen.parts, grid());
     return chosen;
 }
 
-DrawnComponents Meshes::apply_filter(const Surface& surface) {
+DrawnComponents Meshes::apply_filter(const Surface& surface, const ComponentFilter& filter) {
     const WeldedMesh whole = fetch(surface.name);
-    DrawnComponents drawn = drawn_by(surface.components, whole, grid());
+    DrawnComponents drawn = drawn_by(filter, whole, grid(), pause_of(surface));
     show(surface.name, whole, drawn.shown);
     return drawn;
 }
@@ -188,7 +192,7 @@ WeldedMesh Meshes::fetch_drawn(const Surface& surface) {
     if (surface.components.kind == ComponentFilter::Kind::all) {
         return whole;
     }
-    return shown_part(whole, drawn_by(surface.components, whole, grid()).shown);
+    return shown_part(whole, drawn_by(surface.components, whole, grid(), pause_of(surface)).shown);
 }
 
 std::vector<AtlasRow> Meshes::measure(std::span<const double> isovalues, CaseRule table) {

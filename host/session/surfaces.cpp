@@ -148,9 +148,7 @@ void Surfaces::put_back(const std::string& name, const std::optional<Surface>& b
         const Conversation::Uncancelable whole(conversation_);
         try {
             reports_.insert_or_assign(name, extract(surface));
-            if (surface.components.kind != ComponentFilter::Kind::all) {
-                set_components(name, ComponentFilter(surface.components));
-            }
+            mask_again(surface);
             return;
         } catch (const RequestError&) {
             frames_.abandon();
@@ -180,9 +178,7 @@ SurfaceReport Surfaces::set(const std::string& name, double isovalue, CaseRule t
         throw;
     }
     reports_.insert_or_assign(name, report);
-    if (surface.components.kind != ComponentFilter::Kind::all) {
-        set_components(name, ComponentFilter(surface.components));
-    }
+    mask_again(surface);
     return report;
 }
 
@@ -246,13 +242,23 @@ const SurfaceReport& Surfaces::report_of(const std::string& name) const {
 
 DrawnComponents Surfaces::set_components(const std::string& name, const ComponentFilter& filter) {
     Surface& surface = meshes_.surface(name);
-    surface.components = filter;
-    const Conversation::Uncancelable whole(conversation_);  // The GPs' mask is the filter's.
     try {
-        return meshes_.apply_filter(surface);
+        DrawnComponents drawn = meshes_.apply_filter(surface, filter);
+        surface.components = filter;
+        return drawn;
+    } catch (const Canceled&) {
+        throw;  // The components of before are drawn.
     } catch (...) {
         surface.components = {};  // The filter says what is drawn.
         throw;
+    }
+}
+
+/// Masks a surface that was extracted again. Not canceled: the mask is the filter's.
+void Surfaces::mask_again(const Surface& surface) {
+    if (surface.components.kind != ComponentFilter::Kind::all) {
+        const Conversation::Uncancelable whole(conversation_);
+        set_components(surface.name, ComponentFilter(surface.components));
     }
 }
 

@@ -20,8 +20,8 @@ constexpr std::uint32_t none = 0xFFFFFFFF;
 /// Goes over the edges, then the vertices, then the triangles.
 class Certifier {
   public:
-    Certifier(const WeldedMesh& mesh, const VolumeGrid& grid)
-        : mesh_(mesh), grid_(grid), measure_(mesh, grid) {}
+    Certifier(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause)
+        : mesh_(mesh), grid_(grid), pause_(pause), pauses_(pause), measure_(mesh, grid) {}
 
     Certificate run() {
         out_.has_grid = grid_.nx != 0;
@@ -39,7 +39,8 @@ class Certifier {
         // Corners that meet over an edge are of one fan; a vertex should have one.
         DisjointSets pieces(mesh_.triangles.size()), fans(3 * mesh_.triangles.size());
         std::int64_t fan_count = 3 * out_.triangles;
-        EdgeTable(mesh_).for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
+        EdgeTable(mesh_, pause_).for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
+            pauses_.step();
             ++out_.edges;
             look_at_edge(low, uses);
             const EdgeUse& first = uses[0];
@@ -125,6 +126,7 @@ class Certifier {
         std::vector<std::uint8_t> counts(mesh_.keys.size());
         std::vector<std::uint32_t> pinched;
         for (std::uint32_t c = 0; c < 3 * mesh_.triangles.size(); ++c) {
+            pauses_.step();
             if (fans.root(c) != c) continue;
             std::uint8_t& count = counts[corner(c)];
             if (count == 1) pinched.push_back(c);
@@ -144,6 +146,7 @@ class Certifier {
         static const double sine = std::sin(sliver_angle_deg * std::numbers::pi / 180);
         double doubled_area = 0;
         for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+            pauses_.step();
             const auto& [a, b, c] = mesh_.triangles[t];
             if (a == b || b == c || c == a) {
                 add_defect(DefectKind::collapsed_triangle, {a, b, c}, 3, t);
@@ -195,6 +198,8 @@ class Certifier {
 
     const WeldedMesh& mesh_;
     const VolumeGrid& grid_;
+    const Pause& pause_;
+    Pauses pauses_;
     MeshMeasure measure_;
     VolumeSums volume_;
     std::vector<VertexPair> open_;  ///< Edges off the border.
@@ -214,8 +219,8 @@ std::optional<std::int64_t> Certificate::genus() const {
     return components - euler() / 2;
 }
 
-Certificate certify(const WeldedMesh& mesh, const VolumeGrid& grid) {
-    return Certifier(mesh, grid).run();
+Certificate certify(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause) {
+    return Certifier(mesh, grid, pause).run();
 }
 
 }  // namespace pxpl5::host

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "host/base/reply.hpp"
+#include "host/surface/pauses.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
 
@@ -90,7 +91,7 @@ struct Certificate {
 
 /// mesh     Indices below the number of keys (asserted).
 /// Returns  The same for any order of equal triangles but for the last bits of area and volume.
-Certificate certify(const WeldedMesh& mesh, const VolumeGrid& grid);
+Certificate certify(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause = {});
 
 /// For people, in a few lines, and fields for programs.
 /// name  Of the surface.

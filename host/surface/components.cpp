@@ -114,9 +114,10 @@ bool is_around(const MeshComponent& c) {
 class CavityOwners {
   public:
     CavityOwners(const WeldedMesh& mesh, const VolumeGrid& grid, MeshComponents& parts,
-                 bool is_last_inside)
+                 bool is_last_inside, Pauses& pauses)
         : mesh_(mesh),
           grid_(grid),
+          pauses_(pauses),
           parts_(parts.components),
           is_last_inside_(is_last_inside),
           has_holes_(std::any_of(parts_.begin(), parts_.end(),
@@ -124,6 +125,7 @@ class CavityOwners {
           of_vertex_(mesh.keys.size(), no_component),
           ends_(parts_.size()) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            pauses_.step();
             for (const std::uint32_t vertex : mesh.triangles[t]) {
                 of_vertex_[vertex] = parts.of_triangle[t];
             }
@@ -169,6 +171,7 @@ class CavityOwners {
             ends[right][0] = -1;
         }
         for (std::size_t v = 0; v < mesh_.keys.size(); ++v) {
+            pauses_.step();
             const EdgePlace place = edge_place(mesh_.keys[v], grid_);
             if (place.axis != 0 || of_vertex_[v] == no_component) continue;
             auto& ends = ends_[of_vertex_[v]];
@@ -218,6 +221,7 @@ class CavityOwners {
     }
 
     std::uint32_t component_on(const Voxel& voxel, std::size_t axis) const {
+        pauses_.step();
         const auto at = [&](std::size_t i) { return static_cast<std::uint64_t>(voxel[i]); };
         const std::uint64_t index =
             at(2) * grid_.slice_voxels() + at(1) * static_cast<std::uint64_t>(grid_.nx) + at(0);
@@ -229,6 +233,7 @@ class CavityOwners {
 
     const WeldedMesh& mesh_;
     const VolumeGrid& grid_;
+    Pauses& pauses_;
     std::vector<MeshComponent>& parts_;
     bool is_last_inside_, has_holes_;
     std::vector<std::uint32_t> of_vertex_;
@@ -258,11 +263,13 @@ glm::dvec3 nearest_of_triangle(glm::dvec3 p, glm::dvec3 a, glm::dvec3 b, glm::dv
     return a + vb / sum * ab + vc / sum * ac;
 }
 
-MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
+MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause) {
+    Pauses pauses(pause);
     const MeshMeasure measure(mesh, grid);
-    const EdgeTable edges(mesh);
+    const EdgeTable edges(mesh, pause);
     DisjointSets pieces(mesh.triangles.size());
     edges.for_each([&](std::uint32_t, std::span<const EdgeUse> uses) {
+        pauses.step();
         for (const EdgeUse& use : uses.subspan(1)) {
             pieces.join(uses[0].triangle(), use.triangle());
         }
@@ -271,6 +278,7 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
     out.of_triangle = number_components(pieces, mesh.triangles.size(), out.components);
     std::vector<ComponentSums> sums(out.components.size());
     edges.for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
+        pauses.step();
         if (uses.size() != 1) return;
         const EdgeUse& use = uses[0];
         ComponentSums& s = sums[out.of_triangle[use.triangle()]];
@@ -284,6 +292,7 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
                            s.volume);
     });
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        pauses.step();
         const std::uint32_t number = out.of_triangle[t];
         MeshComponent& component = out.components[number];
         const glm::dvec3 normal = measure.doubled_normal_grid(t);
@@ -301,7 +310,7 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid) {
     if (grid.nx != 0 && std::any_of(out.components.begin(), out.components.end(), is_around)) {
         VolumeSums whole;
         for (const ComponentSums& each : sums) whole.add(each.volume);
-        CavityOwners(mesh, grid, out, measure.is_last_voxel_inside(whole)).run();
+        CavityOwners(mesh, grid, out, measure.is_last_voxel_inside(whole), pauses).run();
     }
     return out;
 }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/surface/pauses.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
 
@@ -38,7 +39,8 @@ struct MeshComponents {
     double box_mm3 = 0;  ///< The whole volume.
 };
 
-MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid);
+MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid,
+                               const Pause& pause = {});
 
 /// Per triangle: 1 if it is shown.
 using Shown = std::vector<std::uint8_t>;

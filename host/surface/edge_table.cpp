@@ -40,11 +40,13 @@ void sort_uses(std::span<EdgeUse> uses) {
 
 }  // namespace
 
-EdgeTable::EdgeTable(const WeldedMesh& mesh) : starts_(mesh.keys.size() + 2) {
+EdgeTable::EdgeTable(const WeldedMesh& mesh, const Pause& pause) : starts_(mesh.keys.size() + 2) {
+    Pauses pauses(pause);
     assert(mesh.triangles.size() <= max_triangles);
     for_each_side(mesh, [&](std::uint32_t, std::uint32_t from, std::uint32_t to) {
         assert(std::max(from, to) < mesh.keys.size());
         ++starts_[std::min(from, to) + 2];
+        pauses.step();
     });
     for (std::size_t i = 2; i < starts_.size(); ++i) starts_[i] += starts_[i - 1];
     uses_.resize(starts_.back());
@@ -53,10 +55,12 @@ EdgeTable::EdgeTable(const WeldedMesh& mesh) : starts_(mesh.keys.size() + 2) {
         const bool forward = from < to;
         uses_[starts_[std::min(from, to) + 1]++] = {std::max(from, to),
                                                     2 * corner + (forward ? 1U : 0U)};
+        pauses.step();
     });
     starts_.pop_back();
     for (std::size_t v = 0; v + 1 < starts_.size(); ++v) {
         sort_uses(std::span(uses_).subspan(starts_[v], starts_[v + 1] - starts_[v]));
+        pauses.step();
     }
 }
 

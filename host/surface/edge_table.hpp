@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "host/surface/pauses.hpp"
 #include "host/surface/welded_mesh.hpp"
 
 namespace pxpl5::host {
@@ -33,7 +34,7 @@ class EdgeTable {
     static constexpr std::size_t max_triangles = 0xFFFFFFFFU / 6;
 
     /// mesh  At most max_triangles; indices below the number of keys. Both are asserted.
-    explicit EdgeTable(const WeldedMesh& mesh);
+    explicit EdgeTable(const WeldedMesh& mesh, const Pause& pause = {});
 
     /// Calls visit(low vertex, uses) for each edge; uses ascend by triangle. A triangle with a
     /// vertex twice has no side from that vertex to itself.

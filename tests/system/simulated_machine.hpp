@@ -76,13 +76,7 @@ class SimulatedMachine final : public host::MachinePort {
 
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override {
-        while (!done()) {
-            pollfd watched{watched_fd_, POLLIN, 0};
-            has_given_up_ |= watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_();
-            if (has_given_up_ && (can_be_canceled_ || may_give_up_)) {
-                has_given_up_ = false;
-                throw host::Canceled();
-            }
+        for (ask_watcher(); !done(); ask_watcher()) {
             if (!mailbox_.messages.empty()) {
                 const bus::Message message = mailbox_.messages.front();
                 mailbox_.messages.pop_front();
@@ -91,6 +85,12 @@ class SimulatedMachine final : public host::MachinePort {
                 throw host::MachineError(1,
                                          "the ring is idle, and what is waited for has not come");
             }
+        }
+    }
+
+    void name_work(const std::string& work) override {
+        if (on_work) {
+            on_work(work);
         }
     }
 
@@ -114,6 +114,8 @@ class SimulatedMachine final : public host::MachinePort {
         throw host::RequestError(host::ExitCode::usage, "a simulated machine writes no traces");
     }
 
+    /// Called with the name of each work that the host waits for or pauses in.
+    std::function<void(const std::string&)> on_work;
     /// The pictures that an io process would have written.
     std::vector<bus::schema::ExportPictureT> exported;
 
@@ -128,6 +130,15 @@ class SimulatedMachine final : public host::MachinePort {
     };
 
     static constexpr bus::NodeId io_id = 0xfffe;
+
+    void ask_watcher() {
+        pollfd watched{watched_fd_, POLLIN, 0};
+        has_given_up_ |= watched_fd_ >= 0 && poll(&watched, 1, 0) > 0 && give_up_();
+        if (has_given_up_ && (can_be_canceled_ || may_give_up_)) {
+            has_given_up_ = false;
+            throw host::Canceled();
+        }
+    }
 
     /// The io process: its messages are not on the ring, whose order they would change.
     void answer(const bus::Payload& request) {

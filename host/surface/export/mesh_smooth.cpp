@@ -20,8 +20,8 @@ struct Neighbors {
     std::vector<bool> is_open;  ///< Per vertex: it has an edge with one triangle.
 };
 
-Neighbors neighbors_of(const WeldedMesh& mesh) {
-    const EdgeTable edges(mesh);
+Neighbors neighbors_of(const WeldedMesh& mesh, const Pause& pause) {
+    const EdgeTable edges(mesh, pause);
     const std::size_t count = mesh.keys.size();
     Neighbors found{std::vector<std::size_t>(count + 1), {}, std::vector<bool>(count)};
     edges.for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
@@ -45,9 +45,10 @@ Neighbors neighbors_of(const WeldedMesh& mesh) {
 
 /// Moves all vertices by a share of the way to the mean of their neighbors. A mean in the grid is
 /// the mean in millimeters, because VolumeGrid::p_mm() is affine.
-void step(const Neighbors& near, double share, std::vector<glm::dvec3>& p) {
+void step(const Neighbors& near, double share, std::vector<glm::dvec3>& p, Pauses& pauses) {
     const std::vector<glm::dvec3> before = p;
     for (std::size_t v = 0; v < p.size(); ++v) {
+        pauses.step();
         const std::size_t first = near.starts[v], end = near.starts[v + 1];
         if (near.is_open[v] || first == end) {
             continue;
@@ -97,16 +98,17 @@ void renew_normals(WeldedMesh& mesh, const std::vector<glm::dvec3>& p_mm) {
 
 }  // namespace
 
-Smoothing smooth_mesh(WeldedMesh& mesh, const VolumeGrid& grid, int passes) {
+Smoothing smooth_mesh(WeldedMesh& mesh, const VolumeGrid& grid, int passes, const Pause& pause) {
     if (mesh.triangles.empty()) {
         return {};
     }
     const std::vector<glm::dvec3> before_mm = places_mm(mesh, grid);
-    const Neighbors near = neighbors_of(mesh);
+    const Neighbors near = neighbors_of(mesh, pause);
     std::vector<glm::dvec3> p(mesh.p_grid.begin(), mesh.p_grid.end());
+    Pauses pauses(pause);
     for (int pass = 0; pass < passes; ++pass) {
-        step(near, towards, p);
-        step(near, back, p);
+        step(near, towards, p, pauses);
+        step(near, back, p, pauses);
     }
     glm::dvec3 low(mesh.p_grid.front()), high = low;
     for (const glm::vec3& place : mesh.p_grid) {

@@ -1,6 +1,7 @@
 // Smoothing of a surface that keeps its volume.
 #pragma once
 
+#include "host/surface/pauses.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
 
@@ -21,8 +22,10 @@ struct Smoothing {
 /// volume little. Vertices at open edges keep their places. New normals follow from the triangles.
 ///
 /// mesh    In the grid. No vertex leaves the box around the surface.
+/// pause   What it throws leaves the mesh as it was.
 /// Source  Taubin, "A Signal Processing Approach to Fair Surface Design", SIGGRAPH 1995, with
 ///         lambda 0.5 and mu -0.51.
-Smoothing smooth_mesh(WeldedMesh& mesh, const VolumeGrid& grid, int passes);
+Smoothing smooth_mesh(WeldedMesh& mesh, const VolumeGrid& grid, int passes,
+                      const Pause& pause = {});
 
 }  // namespace pxpl5::host

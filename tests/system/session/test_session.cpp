@@ -1,7 +1,5 @@
 // A session on a simulated machine: what one request leaves behind for the next.
 #include <doctest/doctest.h>
-#include <sys/eventfd.h>
-#include <unistd.h>
 
 #include <array>
 #include <cstdint>
@@ -11,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
+#include "tests/system/session/canceling.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
@@ -36,26 +35,6 @@ void show_sphere(Session& session, int width, int height, double isovalue) {
     session.scene.size = {width, height};
     session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
 }
-
-/// A viewer who can cancel what a machine's session waits for.
-class Canceling {
-  public:
-    explicit Canceling(test::SimulatedMachine& machine) {
-        machine.watch(fd_, [this] {
-            eventfd_t count = 0;
-            eventfd_read(fd_, &count);
-            return true;
-        });
-    }
-    ~Canceling() { close(fd_); }
-    Canceling(const Canceling&) = delete;
-    Canceling& operator=(const Canceling&) = delete;
-    /// The next wait that may be canceled ends at once.
-    void press() const { eventfd_write(fd_, 1); }
-
-  private:
-    int fd_ = eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC);
-};
 
 }  // namespace
 
@@ -314,7 +293,7 @@ TEST_CASE("an announced frame that does not show the scene is dropped") {
 TEST_CASE("a canceled question spoils no later one, also if its volume is discarded meanwhile") {
     test::SimulatedMachine machine(machine_of(3, 1));
     Session session(machine);
-    const Canceling viewer(machine);
+    const test::Canceling viewer(machine);
     constexpr std::array isovalues = {0.2, 0.5};
     const auto ask = [&] {
         std::vector<std::uint64_t> triangles;
@@ -350,7 +329,7 @@ TEST_CASE("a GP that has no room for a canceled surface spoils neither the old n
         topology.seed = seed;
         test::SimulatedMachine machine(topology);
         Session session(machine);
-        const Canceling viewer(machine);
+        const test::Canceling viewer(machine);
         const auto set = [&](const std::string& name, double isovalue) {
             return session.surfaces.set(name, isovalue, CaseRule::watertight, gray).triangles;
         };
