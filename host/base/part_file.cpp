@@ -2,8 +2,10 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <linux/magic.h>
 #include <sys/random.h>
 #include <sys/stat.h>
+#include <sys/statfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -124,6 +126,16 @@ std::string wrong_place(const fs::path& path) {
     return "";
 }
 
+bool is_of_kernel(const fs::path& path) {
+    struct statfs system {};
+    if (statfs(path.c_str(), &system) != 0) {
+        return false;
+    }
+    constexpr std::array<std::uint64_t, 4> kinds = {PROC_SUPER_MAGIC, SYSFS_MAGIC, DEBUGFS_MAGIC,
+                                                    TRACEFS_MAGIC};
+    return std::ranges::find(kinds, static_cast<std::uint64_t>(system.f_type)) != kinds.end();
+}
+
 std::string why_unreadable(const fs::path& path) {
     std::error_code failure;
     const fs::file_status there = fs::status(path, failure);
@@ -132,6 +144,9 @@ std::string why_unreadable(const fs::path& path) {
     }
     if (fs::status_known(there) && !fs::is_regular_file(there)) {
         return fmt::format("is {}, not a file", kind_of(there.type()));
+    }
+    if (is_of_kernel(path)) {
+        return "is a file of the kernel, not a stored file";
     }
     const int fd = failure ? -1 : ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
     const int reason = failure ? failure.value() : errno;

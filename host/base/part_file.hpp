@@ -27,6 +27,10 @@ std::filesystem::path color_file_of(const std::filesystem::path& mesh);
 /// is a folder or a device. Empty if nothing of this kind is in the way.
 std::string wrong_place(const std::filesystem::path& path);
 
+/// Returns whether `path` is a file or a folder of /proc or /sys. Such files call themselves
+/// regular, but reading one (/proc/kmsg) may wait for ever.
+bool is_of_kernel(const std::filesystem::path& path);
+
 /// Why `path` cannot be read as a file: "does not exist", "is a FIFO, not a file", or the system's
 /// reason. Empty if it can be read.
 std::string why_unreadable(const std::filesystem::path& path);

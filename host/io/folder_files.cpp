@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/values/header_text.hpp"
@@ -48,6 +49,9 @@ void check_link(const fs::path& link, const fs::path& folder, const AllowedFolde
 
 /// All files of a folder and of those inside it, by name: folders have no order of their own.
 std::vector<fs::path> files_of(const fs::path& folder) {
+    if (is_of_kernel(folder)) {
+        throw ImportError(folder.string() + ": is a folder of the kernel, not of stored files");
+    }
     std::vector<fs::path> files;
     for (auto at = fs::recursive_directory_iterator(folder); at != fs::end(at); ++at) {
         if (at.depth() >= max_folder_depth) {

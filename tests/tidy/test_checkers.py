@@ -302,6 +302,16 @@ class Planted(unittest.TestCase):
                 ("isa/CMakeLists.txt", "add_compile_options(-march=native)\n", "between machines"),
                 ("README.md", "see /" + "work/x\n", "one machine")):
             self.finds(check_words, name, text, words)
+        page = "host/serve/page/panel/a.js"
+        for text in ("row.innerHTML = name;", "row.outerHTML = name;", "document.write(name);",
+                     "row.insertAdjacentHTML('beforeend', name);", "frame.srcdoc = name;"):
+            self.finds(check_words, page, f"{text}\n", "a.js:1: ")
+        for text in ("eval(name);", "new Function('a', name);", "const f = Function(name);"):
+            self.finds(check_words, page, f"{text}\n", "runs a text as a program")
+        self.finds(check_words, "host/serve/page/index.html", "<iframe srcdoc='x'>\n", "srcdoc")
+        self.plant(page, "row.textContent = name;\nretrieval(name);\nconst isFunction = a => 1;\n")
+        self.plant("tests/browser/a.js", "page.waitForFunction(new Function('a', text));\n")
+        self.assertEqual(check_words.check(self.root), [])
 
     def test_vocabulary(self):
         scalar = "Scalar is defined in ringbus/schema/vocabulary.fbs"

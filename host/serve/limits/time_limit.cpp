@@ -10,7 +10,6 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <ctime>
@@ -30,10 +29,18 @@ constexpr std::int64_t s_per_minute = 60, s_per_hour = 3600, s_per_day = 86400;
 constexpr int ms_per_s = 1000;
 constexpr int scontrol_ms = 10'000;
 
-std::int64_t now_s() {
-    return std::chrono::duration_cast<std::chrono::seconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
+/// Seconds on a clock that cannot be set, and that runs while the computer sleeps.
+std::int64_t boot_s() {
+    timespec now{};
+    clock_gettime(CLOCK_BOOTTIME, &now);
+    return now.tv_sec;
+}
+
+/// A time in seconds since 1970, on the clock of boot_s().
+std::int64_t to_boot_s(std::int64_t wall_s) {
+    timespec now{};
+    clock_gettime(CLOCK_REALTIME, &now);
+    return wall_s - now.tv_sec + boot_s();
 }
 
 /// The numbers of "1:30:00"; nothing if another character is among them.
@@ -85,10 +92,11 @@ std::optional<std::int64_t> end_of_job(int stop_fd) {
 }
 
 /// Milliseconds until the warning, for poll(), which takes no more than 24 days.
+/// end_s  On the clock of boot_s().
 int ms_until_warning(std::optional<std::int64_t> end_s) {
     constexpr std::int64_t longest_s = s_per_day;
     return end_s ? static_cast<int>(
-                       std::clamp<std::int64_t>(*end_s - warn_before_s - now_s(), 0, longest_s)) *
+                       std::clamp<std::int64_t>(*end_s - warn_before_s - boot_s(), 0, longest_s)) *
                        ms_per_s
                  : -1;
 }
@@ -175,7 +183,8 @@ EndWatch::EndWatch(const EndSignal& signal, std::optional<std::int64_t> user_end
         throw std::system_error(errno, std::generic_category(), "eventfd");
     }
     const SignalsBlocked blocked;
-    thread_ = std::thread([this, user_end_s] { run(user_end_s); });
+    const std::int64_t user_end_boot_s = to_boot_s(user_end_s.value_or(0));
+    thread_ = std::thread([=, this] { run(user_end_s, user_end_boot_s); });
 }
 
 EndWatch::~EndWatch() {
@@ -184,19 +193,22 @@ EndWatch::~EndWatch() {
     close(stop_fd_);
 }
 
-void EndWatch::run(std::optional<std::int64_t> user_end_s) {
+void EndWatch::run(std::optional<std::int64_t> user_end_s, std::int64_t user_end_boot_s) {
     const std::optional<std::int64_t> end_s = user_end_s ? user_end_s : end_of_job(stop_fd_);
+    const std::optional<std::int64_t> end_boot_s = user_end_s ? std::optional(user_end_boot_s)
+                                                   : end_s    ? std::optional(to_boot_s(*end_s))
+                                                              : std::nullopt;
     std::array<pollfd, 2> polled{{{signal_fd_, POLLIN, 0}, {stop_fd_, POLLIN, 0}}};
     int ready = 0;
     do {
-        ready = poll(polled.data(), polled.size(), ms_until_warning(end_s));
-    } while ((ready < 0 && errno == EINTR) || (ready == 0 && ms_until_warning(end_s) > 0));
+        ready = poll(polled.data(), polled.size(), ms_until_warning(end_boot_s));
+    } while ((ready < 0 && errno == EINTR) || (ready == 0 && ms_until_warning(end_boot_s) > 0));
     if (polled[1].revents != 0) {
         return;
     }
     EndsSoon soon{0, "the program has received SIGUSR1"};
     // A signal that comes long before the known end is for another reason.
-    const bool is_near = end_s && *end_s - now_s() <= std::int64_t{2} * warn_before_s;
+    const bool is_near = end_boot_s && *end_boot_s - boot_s() <= std::int64_t{2} * warn_before_s;
     if (is_near) {
         soon.at_s = *end_s;
         soon.why = user_end_s

@@ -51,6 +51,8 @@ class EndSignal {
 /// Calls `warn` once, from a thread of its own: warn_before_s before the end, or when SIGUSR1
 /// comes. The end is the one of the user; without one, that of the job of Slurm. If the signal
 /// comes more than 2 * warn_before_s before that end, the warning names the signal, and no time.
+/// The time that is left is computed once, when the end is known: setting the clock later does not
+/// move the warning.
 class EndWatch {
   public:
     /// user_end_s  Seconds since 1970.
@@ -62,7 +64,7 @@ class EndWatch {
     EndWatch& operator=(const EndWatch&) = delete;
 
   private:
-    void run(std::optional<std::int64_t> user_end_s);
+    void run(std::optional<std::int64_t> user_end_s, std::int64_t user_end_boot_s);
 
     int signal_fd_, stop_fd_;
     std::function<void(EndsSoon)> warn_;

@@ -1,5 +1,7 @@
 // Where files are written, and why files cannot be written or read.
 #include <doctest/doctest.h>
+#include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,6 +12,7 @@
 #include <iterator>
 #include <string>
 
+#include "host/base/kernel/owned_descriptor.hpp"
 #include "host/base/part_file.hpp"
 #include "tests/host/io/volume_files.hpp"
 
@@ -104,6 +107,14 @@ TEST_CASE("a file that cannot be read is named by what it is") {
     CHECK(why_unreadable(folder.file("f/none")) == "does not exist");
     CHECK(why_unreadable(folder.file("")) == "is a folder, not a file");
     CHECK(why_unreadable("/dev/zero") == "is a device, not a file");
+    for (const char* path : {"/proc/self/mem", "/proc/kmsg", "/sys/kernel/mm/transparent_hugepage",
+                             "/proc/self/status"}) {
+        CAPTURE(path);
+        CHECK((is_of_kernel(path) || !fs::exists(path)));
+    }
+    CHECK(why_unreadable("/proc/self/status") == "is a file of the kernel, not a stored file");
+    const OwnedDescriptor opened(open(folder.file("f").c_str(), O_RDONLY | O_CLOEXEC));
+    CHECK(why_unreadable(fmt::format("/proc/self/fd/{}", opened.fd)) == "");
     REQUIRE(mkfifo(folder.file("pipe").c_str(), 0600) == 0);
     CHECK(why_unreadable(folder.file("pipe")) == "is a FIFO, not a file");
 }

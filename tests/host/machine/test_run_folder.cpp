@@ -124,11 +124,31 @@ TEST_CASE("a folder that a killed start has left goes with a later start, and a 
                                 fs::file_time_type::clock::now() - std::chrono::hours(1));
         }
     }
+    // The clock was set back after another start: that program may be at work.
+    fs::create_directories(base / ".new-cccccc");
+    fs::last_write_time(base / ".new-cccccc",
+                        fs::file_time_type::clock::now() + std::chrono::hours(1));
     make_run_folder(base, Topology{});
     CHECK(!fs::exists(base / ".new-aaaaaa"));
     CHECK(fs::exists(base / ".new-bbbbbb"));
+    CHECK(fs::exists(base / ".new-cccccc"));
     CHECK(fs::exists(base / ".new-much-longer"));
     CHECK(fs::exists(base / ".news"));
+}
+
+TEST_CASE("after the clock was set back runs of a later time do not displace the run that starts") {
+    const test::TemporaryFolder folder;
+    const fs::path base = folder.file("runs");
+    for (const char* name : {"29990101T000000Z-999999", "29990102T000000Z-999999"}) {
+        fs::create_directories(base / name);
+        std::ofstream(base / name / "lock");
+    }
+    const fs::path run = make_run_folder(base, Topology{}, 1);
+    CHECK(fs::exists(run / "manifest.json"));
+    CHECK(fs::exists(base / "29990102T000000Z-999999"));
+    CHECK(!fs::exists(base / "29990101T000000Z-999999"));
+    CHECK(make_run_folder(base, Topology{}, 1) != run);
+    CHECK(fs::exists(run / "manifest.json"));
 }
 
 TEST_CASE("a private folder is made for the owner, and nothing else in its place is used") {

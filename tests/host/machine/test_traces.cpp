@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "host/base/error.hpp"
+#include "host/machine/launcher.hpp"
 #include "host/machine/machine.hpp"
 #include "isa/table_hash.hpp"
 #include "ringbus/process/process.hpp"
@@ -200,6 +201,21 @@ TEST_SUITE("host/machine/traces") {
         const TraceFile gp(run.traces() / "gp-0.mcap");
         CHECK(gp.cut() == "");
         CHECK(kinds_in(gp).at("RemoveSurface") == 1);
+    }
+
+    TEST_CASE("neither a flood nor a silent node holds up the traces and the end") {
+        static_assert(chatter_messages > host::max_backlog_messages);
+        Recorded run(Recording::flight);
+        run.machine.send(run.machine.gp_ids()[1], order(Order::hang));
+        run.machine.send(run.machine.gp_ids()[0], order(Order::chatter));
+        std::string error = "no error";
+        try {
+            run.machine.save_traces();  // The silent node never answers.
+        } catch (const MachineError& failure) {
+            error = failure.what();
+        }
+        CHECK_MESSAGE(has(error, "came from gp-0 although 16384 messages"), error);
+        CHECK_MESSAGE(has(error, " of 6 nodes: " + run.traces().string()), error);
     }
 
     TEST_CASE("a node that has refused a message saves its trace, too") {

@@ -9,7 +9,7 @@ import sys
 import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-from server_case import Case, main  # noqa: E402
+from server_case import Case, EchoServer, main  # noqa: E402
 from websocket_client import (BINARY, TEXT, Closed, Refused, WebSocket, connect_to,
                               masked_frame)  # noqa: E402
 
@@ -60,6 +60,45 @@ class Access(Case):
             status, _, body = self.server.request(path)
             self.assertIn(status, (400, 403, 404), path)
             self.assertNotIn(b"secret\n", body + b"\n", path)
+
+    def answer_to(self, target):
+        """Status and body of a request for exactly these bytes; 0 if the server only closes."""
+        parts = urllib.parse.urlsplit(self.server.url)
+        connection = connect_to(self.server.url)
+        self.addCleanup(connection.close)
+        connection.sendall(b"GET " + target + f"?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\n"
+                           "Connection: close\r\n\r\n".encode())
+        got = b""
+        try:
+            while more := connection.recv(65536):
+                got += more
+        except ConnectionResetError:
+            pass
+        head, _, body = got.partition(b"\r\n\r\n")
+        return int(head.split(b" ")[1]) if head else 0, body
+
+    def test_odd_targets_of_a_request_are_refused(self):
+        self.assertEqual(self.answer_to(b"/"), (200, b"<h1>page</h1>"))
+        here = urllib.parse.urlsplit(self.server.url).netloc.encode()
+        for target in (b"http://evil/", b"http://evil/main.js", b"http://evil/../secret",
+                       b"https://evil:1/secret", b"http://" + here + b"/", b"//evil/main.js",
+                       b"file:///etc/passwd", b"*", b"secret", b"../secret", b"\\secret",
+                       b"/%c0%ae%c0%ae/secret", b"/%c0%ae%c0%ae%c0%afsecret",
+                       b"/\xc0\xae\xc0\xae/secret", b"/%e0%80%ae%e0%80%ae/secret",
+                       b"/download/%c0%ae%c0%ae%c0%afsecret", b"/%2e%2e%2fsecret",
+                       b"/download/%2e%2e%2fsecret", b"/%2e%2e%5csecret", b"/..\\secret",
+                       b"/%252e%252e%252fsecret", b"/%u002e%u002e/secret", b"/%zz", b"/%2",
+                       b"/download/%2fetc/passwd", b"/main.js;secret"):
+            status, body = self.answer_to(target)
+            self.assertIn(status, (400, 403, 404), target)
+            self.assertNotEqual(body, b"secret", target)
+        # The library closes the connection at most of these, and does not answer.
+        for target in (b"/main.js%00", b"/main.js\0", b"/main.js%00.png", b"/download/mesh.ply%00",
+                       b"/..%00/secret", b"/\0../secret", b"/download/..%00/../secret"):
+            status, body = self.answer_to(target)
+            self.assertIn(status, (0, 400, 403, 404), target)
+            self.assertNotIn(body, (b"secret", b"export {}", b"ply" * 100_000), target)
+        self.sync(self.join())
 
     def test_the_page_is_compressed_for_those_who_accept_gzip(self):
         for path in ("/", "/main.js"):
@@ -152,14 +191,28 @@ class Access(Case):
             self.assertEqual(self.server.request(f"/download/{name}")[0], 404, name)
 
 
+def silent_at(url, count):
+    """Connections that send the begin of a request and no more."""
+    connections = []
+    for _ in range(count):
+        connections.append(connect_to(url))
+        connections[-1].sendall(b"GET / HTTP/1.1\r\nX-Slow: ")
+    return connections
+
+
+def own_address():
+    """An address of this computer by which others reach it; empty if it has none."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        try:
+            probe.connect(("192.0.2.1", 9))  # Sends nothing.
+            return probe.getsockname()[0]
+        except OSError:
+            return ""
+
+
 class Strangers(Case):
     def silent(self, count):
-        """Connections that send the begin of a request and no more."""
-        connections = []
-        for _ in range(count):
-            connections.append(connect_to(self.server.url))
-            connections[-1].sendall(b"GET / HTTP/1.1\r\nX-Slow: ")
-        return connections
+        return silent_at(self.server.url, count)
 
     def test_unfinished_requests_keep_no_viewer_out(self):
         crowd = self.silent(300)
@@ -187,6 +240,53 @@ class Strangers(Case):
         self.sync(driver)
         for watcher in watchers:
             watcher.close()
+
+
+class OneAddress(Case):
+    """Viewers of one other computer, or behind one router: the server sees one address."""
+
+    def setUp(self):
+        address = own_address()
+        if not address or address.startswith("127."):
+            self.skipTest("this computer has no address but that of the loopback")
+        super().setUp()
+        self.plain, self.server = self.server, EchoServer(self.folder, "bind", "0.0.0.0",
+                                                          "insecure", "1")
+        self.addCleanup(lambda: self.assertEqual(self.plain.stop(), (0, "")))
+        for name in ("url", "watch_url"):
+            parts = urllib.parse.urlsplit(getattr(self.server, name))
+            setattr(self.server, name, parts._replace(netloc=f"{address}:{parts.port}").geturl())
+
+    def test_two_watch_and_a_third_does_not(self):
+        watchers = [self.join(self.server.watch_url) for _ in range(2)]
+        self.assertIn("2 watchers of this computer",
+                      self.closed(1013, WebSocket(self.server.watch_url)))
+        driver = self.join()
+        for viewer in (*watchers, driver):
+            self.sync(viewer)
+        watchers[0].close()
+        for _ in range(4):
+            event = self.server.event()
+        self.assertEqual(event, "left 1")
+        self.sync(self.join(self.server.watch_url))
+
+    def test_a_crowd_of_strangers_keeps_neither_of_two_watchers_out(self):
+        watchers = []
+        for _ in range(2):
+            crowd = silent_at(self.server.url, 40)  # More than may come from one address.
+            watchers.append(self.join(self.server.watch_url))
+            for connection in crowd:
+                self.addCleanup(connection.close)
+        for watcher in watchers:
+            self.sync(watcher)
+
+    def test_strangers_of_one_address_leave_room_for_another(self):
+        crowd = silent_at(self.server.url, 300)
+        local = self.server.watch_url.replace(own_address(), "127.0.0.1")
+        self.sync(self.join(local))
+        self.sync(self.join(self.server.watch_url))
+        for connection in crowd:
+            connection.close()
 
 
 class Messages(Case):

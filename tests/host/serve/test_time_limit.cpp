@@ -2,8 +2,10 @@
 #include "host/serve/limits/time_limit.hpp"
 
 #include <doctest/doctest.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -21,6 +23,9 @@ namespace {
 
 constexpr auto limit = std::chrono::seconds(60);
 
+/// Seconds by which the clock of the test differs from that of the computer.
+std::atomic<std::int64_t> set_by_s = 0;
+
 /// The warning of a watch with this end.
 EndsSoon warning_of(const EndSignal& signal, std::optional<std::int64_t> end_s) {
     std::promise<EndsSoon> promise;
@@ -32,6 +37,13 @@ EndsSoon warning_of(const EndSignal& signal, std::optional<std::int64_t> end_s) 
 }
 
 }  // namespace
+
+/// The C library's function, with a clock that can be set.
+extern "C" int clock_gettime(clockid_t clock, timespec* now) noexcept {
+    const auto failed = static_cast<int>(syscall(SYS_clock_gettime, clock, now));
+    now->tv_sec += clock == CLOCK_REALTIME ? set_by_s.load() : 0;
+    return failed;
+}
 
 TEST_CASE("a time limit has the forms of Slurm") {
     CHECK(parse_duration("--time-limit", "90") == 5400);
@@ -68,6 +80,22 @@ TEST_CASE("the warning comes at once if less than two minutes are left") {
     const EndSignal signal;
     const std::int64_t end_s = std::time(nullptr) + warn_before_s - 1;
     const EndsSoon soon = warning_of(signal, end_s);
+    CHECK(soon.at_s == end_s);
+    CHECK(soon.why == "--time-limit is reached");
+}
+
+TEST_CASE("the warning comes although the clock is set back") {
+    const EndSignal signal;
+    const std::int64_t end_s = std::time(nullptr) + warn_before_s + 1;
+    std::promise<EndsSoon> promise;
+    std::future<EndsSoon> warning = promise.get_future();
+    const EndWatch watch(signal, end_s,
+                         [&promise](EndsSoon soon) { promise.set_value(std::move(soon)); });
+    set_by_s = -86'400;
+    const bool has_come = warning.wait_for(limit) == std::future_status::ready;
+    set_by_s = 0;
+    REQUIRE(has_come);
+    const EndsSoon soon = warning.get();
     CHECK(soon.at_s == end_s);
     CHECK(soon.why == "--time-limit is reached");
 }

@@ -9,6 +9,7 @@ import os
 import pathlib
 import select
 import shutil
+import signal
 import socket
 import stat
 import subprocess
@@ -16,7 +17,7 @@ import sys
 import tempfile
 import unittest
 
-from processes import children_of
+from processes import children_of, name_of
 
 BIN = pathlib.Path()  # From the command line.
 LIMIT_S = 120
@@ -149,6 +150,53 @@ class PrivateFiles(unittest.TestCase):
         self.assertFalse(self.is_locked(first) or self.is_locked(second))
         program.stdin.close()
         program.stdout.close()
+
+    def stop_writers(self, program):
+        """Stops the io processes while one has an unfinished file, and returns them."""
+        def is_stopped(pid):
+            return "State:\tT" in pathlib.Path(f"/proc/{pid}/status").read_text()
+        while program.poll() is None:
+            parts = list(self.work.glob(".mesh.*.part.obj"))
+            writers = [pid for pid in children_of(program.pid)
+                       if parts and name_of(pid) == "pxpl5-io"]
+            try:
+                for pid in writers:
+                    os.kill(pid, signal.SIGSTOP)
+                while not all(is_stopped(pid) for pid in writers):
+                    pass
+                if writers and any(part.exists() for part in parts):
+                    return writers
+                for pid in writers:
+                    os.kill(pid, signal.SIGCONT)
+            except (FileNotFoundError, ProcessLookupError):
+                pass  # It had finished; the next export has a process of its own.
+        return self.fail("the program has ended: " + program.stderr.read())
+
+    def test_a_host_that_is_killed_during_an_export_leaves_the_older_file_and_no_process(self):
+        target = self.work / "mesh.obj"
+        target.write_text("# older\n" * 1000)
+        with subprocess.Popen(
+                [BIN / "pxpl5", "run", "--topology", "one-of-each", "-"], text=True,
+                stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                cwd=self.work, env={**os.environ, "XDG_STATE_HOME": str(self.state),
+                                    "XDG_RUNTIME_DIR": str(self.sockets)}) as program:
+            self.addCleanup(program.kill)
+            program.stdin.write("load phantom:pelvis\nsurface bone\n" + "export mesh.obj\n" * 50)
+            program.stdin.flush()
+            self.stop_writers(program)
+            before = target.read_bytes()
+            children = [os.pidfd_open(pid) for pid in children_of(program.pid)]
+            program.kill()
+        self.assertGreaterEqual(len(children), 4)  # GP, Renderer, frame buffer, io process.
+        for child in children:
+            ended, _, _ = select.select([child], [], [], LIMIT_S)
+            os.close(child)
+            self.assertTrue(ended)
+        self.assertEqual(target.read_bytes(), before)
+        # An earlier export of these may have replaced the older file.
+        is_older = before == b"# older\n" * 1000
+        last = before.rpartition(b"\nf ")[2]
+        self.assertTrue(is_older or before.endswith(b"\n") and last.count(b"\n") == 1, last[:200])
 
     def test_sockets_of_a_killed_host_go_with_the_next_start(self):
         def folder_of_sockets(name):

@@ -292,6 +292,8 @@ class Serve(Case):
                      f"history {private}/new", f"history {allowed}/out/new",
                      f"snapshot {private}/x.png", f"orbit 2 {private}/x{{}}.png",
                      f"export {private}/x.ply", f"certificate {private}/x.ply",
+                     f"load /proc/self/mem {layout}", "load /proc/kmsg", "info /proc/kmsg",
+                     f"load /dev/zero {layout}", "info /dev/zero", "play /proc/kmsg",
                      f"play {allowed}/script"):
             reply = viewer.do(line)
             self.assertFalse(reply["ok"], line)
@@ -329,6 +331,7 @@ class Serve(Case):
 
     def test_a_volume_that_is_none_ends_it_with_a_sentence(self):
         for words, code in ((["nowhere.nrrd"], 65), (["phantom:pelvi"], 64),
+                            (["/proc/kmsg"], 65), (["/proc/self"], 65), (["/dev/zero"], 65),
                             (["phantom:sphere", "--bind", "0.0.0.0"], 64)):
             done = subprocess.run(
                 [BINARIES / "pxpl5", "serve", "--run-folder", self.folder.name, "--topology",

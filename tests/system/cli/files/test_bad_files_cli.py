@@ -90,6 +90,8 @@ class BadFiles(unittest.TestCase):
         os.mkfifo(self.folder / "pipe.nii")
         for line, words in (("load pipe.nii", "pipe.nii: is a FIFO, not a file"),
                             ("load /dev/zero", "/dev/zero: is a device, not a file"),
+                            ("load /dev/zero raw=2x2x2,uint8 spacing=1,1,1",
+                             "/dev/zero: is a device, not a file"),
                             ("load none.raw raw=2x2x2,uint8 spacing=1,1,1",
                              "none.raw: does not exist"),
                             ("certificate none.stl", "none.stl: does not exist")):
@@ -97,6 +99,31 @@ class BadFiles(unittest.TestCase):
                 code, error = self.run_lines(line)
                 self.assertEqual(code, BAD_DATA)
                 self.assertEqual(error, "error: " + words)
+
+    def test_files_of_the_kernel_are_refused_before_they_are_read(self):
+        """A second read of /proc/kmsg waits for the next message of the kernel."""
+        for name in ("link.nii.gz", "link.stl"):
+            (self.folder / name).symlink_to("/proc/kmsg")
+        reason = "is a file of the kernel, not a stored file"
+        for line, name in (("load /proc/kmsg", "/proc/kmsg"), ("load /proc/kmsg", "/proc/kmsg"),
+                           ("load /proc/self/mem", "/proc/self/mem"),
+                           ("load /proc/self/mem raw=2x2x2,uint8 spacing=1,1,1", "/proc/self/mem"),
+                           ("load link.nii.gz", "link.nii.gz"),
+                           ("certificate link.stl", "link.stl")):
+            with self.subTest(line=line):
+                self.assertEqual(self.run_lines(line), (BAD_DATA, f"error: {name}: {reason}"))
+        for folder in ("/proc", "/proc/self", "/sys/kernel"):
+            with self.subTest(folder=folder):
+                self.assertEqual(self.run_lines(f"load {folder}"), (
+                    BAD_DATA,
+                    f"error: {folder}: is a folder of the kernel, not of stored files"))
+
+    def test_info_of_a_file_of_the_kernel_ends(self):
+        for name in ("/proc/kmsg", "/proc/self/mem", "/dev/zero"):
+            done = subprocess.run([BIN / "pxpl5", "info", name], capture_output=True, text=True,
+                                  timeout=LIMIT_S, cwd=self.folder, check=False)
+            self.assertEqual(done.returncode, BAD_DATA, done)
+            self.assertRegex(done.stderr, f"^error: {name}: is a .*, not a (stored )?file\n$")
 
     def test_an_output_that_is_a_folder_is_named_as_one(self):
         (self.folder / "m.stl").mkdir()
