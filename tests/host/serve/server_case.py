@@ -9,7 +9,7 @@ import tempfile
 import unittest
 import urllib.parse
 
-from websocket_client import Closed, Refused, WebSocket
+from websocket_client import Closed, Refused, WebSocket, connect_to
 
 ECHO_SERVER = ""  # From the command line.
 
@@ -43,7 +43,8 @@ class EchoServer:
     def request(self, path, method="GET", token=True, headers=None, body=None):
         """One request on a connection of its own: status, headers, body."""
         parts = urllib.parse.urlsplit(self.url)
-        connection = http.client.HTTPConnection(parts.hostname, parts.port, timeout=20)
+        connection = http.client.HTTPConnection(parts.hostname, parts.port)
+        connection.sock = connect_to(self.url)
         if token:
             path += ("&" if "?" in path else "?") + parts.query
         connection.request(method, path, body=body, headers=headers or {})

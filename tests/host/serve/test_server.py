@@ -10,7 +10,7 @@ import urllib.parse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from server_case import Case, EchoServer, main  # noqa: E402
-from websocket_client import (BINARY, TEXT, Closed, Refused, WebSocket, connect_to,
+from websocket_client import (BINARY, TEXT, Closed, Refused, WebSocket, all_from, connect_to,
                               masked_frame)  # noqa: E402
 
 
@@ -68,13 +68,7 @@ class Access(Case):
         self.addCleanup(connection.close)
         connection.sendall(b"GET " + target + f"?{parts.query} HTTP/1.1\r\nHost: {parts.netloc}\r\n"
                            "Connection: close\r\n\r\n".encode())
-        got = b""
-        try:
-            while more := connection.recv(65536):
-                got += more
-        except ConnectionResetError:
-            pass
-        head, _, body = got.partition(b"\r\n\r\n")
+        head, _, body = all_from(connection).partition(b"\r\n\r\n")
         return int(head.split(b" ")[1]) if head else 0, body
 
     def test_odd_targets_of_a_request_are_refused(self):
@@ -172,12 +166,7 @@ class Access(Case):
                                 f"Host: {parts.netloc}", *lines])
             connection.sendall(f"{head}\r\n\r\n{body}".encode())
             connection.shutdown(socket.SHUT_WR)
-            got = b""
-            try:
-                while more := connection.recv(65536):
-                    got += more
-            except ConnectionResetError:
-                pass
+            got = all_from(connection)
             self.assertIn(got.split(b" ")[1], (b"411", b"413"), lines)
             self.assertNotIn(b"<h1>page</h1>", got, lines)
         self.sync(self.join())

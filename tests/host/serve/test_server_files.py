@@ -1,12 +1,10 @@
 #!/usr/bin/env python3
 """Uploads, downloads, and how the server starts: test_server_files.py ECHO_SERVER."""
-import http.client
 import json
 import os
 import pathlib
 import shutil
 import socket
-import ssl
 import subprocess
 import sys
 import tempfile
@@ -83,18 +81,6 @@ class Files(Case):
         self.assertEqual((status, body), (403, b"A view-only address cannot download files.\n"))
 
 
-def headers_of(url):
-    """The headers of the page at an address of https, whose certificate is not checked."""
-    parts = urllib.parse.urlsplit(url)
-    connection = http.client.HTTPSConnection(parts.hostname, parts.port, timeout=20,
-                                             context=ssl._create_unverified_context())
-    connection.request("GET", f"/?{parts.query}")
-    answer = connection.getresponse()
-    answer.read()
-    connection.close()
-    return answer.headers
-
-
 class Start(unittest.TestCase):
     def fails(self, code, *words):
         with tempfile.TemporaryDirectory() as folder:
@@ -163,7 +149,11 @@ class Start(unittest.TestCase):
             url = urllib.parse.urlsplit(server.url)
             self.assertEqual(url.scheme, "https")
             local = f"https://127.0.0.1:{url.port}/?{url.query}"
-            self.assertIsNone(headers_of(local)["strict-transport-security"])
+            server.url = local
+            status, headers, _ = server.request("/")
+            self.assertEqual(status, 200)
+            self.assertIn("content-security-policy", headers)
+            self.assertNotIn("strict-transport-security", headers)
             viewer = WebSocket(local)
             viewer.send('{"binary":3000000}')
             self.assertIn("hello", viewer.receive())

@@ -39,6 +39,17 @@ def connect_to(url, timeout_s=20):
     return context.wrap_socket(raw, server_hostname=parts.hostname)
 
 
+def all_from(connection):
+    """All bytes until the other side closes or resets the connection."""
+    got = b""
+    try:
+        while more := connection.recv(65536):
+            got += more
+    except ConnectionResetError:
+        pass
+    return got
+
+
 def masked_frame(opcode, payload, final=True):
     """A frame as a client must send it."""
     size = len(payload)
