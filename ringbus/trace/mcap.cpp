@@ -9,6 +9,12 @@ std::uint32_t crc_of(std::span<const std::uint8_t> bytes, std::uint32_t before) 
     return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
 }
 
+void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted) {
+    if (wanted != 0 && got != wanted) {
+        throw Damage(fmt::format("the CRC of {} is {:08x}, recorded is {:08x}", of, got, wanted));
+    }
+}
+
 Out& Out::raw(std::span<const std::uint8_t> bytes) {
     to_.insert(to_.end(), bytes.begin(), bytes.end());
     return *this;

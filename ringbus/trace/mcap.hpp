@@ -56,6 +56,14 @@ using Metadata = std::map<std::string, std::string>;
 /// Extends the CRC-32 `before` by `bytes`.
 std::uint32_t crc_of(std::span<const std::uint8_t> bytes, std::uint32_t before = 0);
 
+/// Thrown for damaged bytes. `what` continues "at offset N: ".
+struct Damage : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws Damage unless the CRC-32 `got` is `wanted`, or `wanted` is 0, which means: no checksum.
+void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted);
+
 /// Appends fields to `to`.
 class Out {
   public:
@@ -98,11 +106,6 @@ class Out {
     }
 
     Bytes& to_;
-};
-
-/// Thrown for damaged bytes. `what` continues "at offset N: ".
-struct Damage : std::runtime_error {
-    using std::runtime_error::runtime_error;
 };
 
 /// Takes fields from the front of bytes. Throws Damage if the bytes end before a field.

@@ -33,7 +33,4 @@ Bytes chunk_records(std::span<const std::uint8_t> content);
 /// Returns the message record at `offset` of a chunk's records. Throws Damage if none is there.
 MessageRecord message_at(std::span<const std::uint8_t> records, std::uint64_t offset);
 
-/// Throws Damage unless the CRC-32 `got` is `wanted`, or `wanted` is 0, which means: no checksum.
-void check_crc(const char* of, std::uint32_t got, std::uint32_t wanted);
-
 }  // namespace pxpl5::bus::trace::mcap
