@@ -180,9 +180,9 @@ ChosenComponent Meshes::component_at(const Surface& surface, glm::dvec3 p_mm) {
     return chosen;
 }
 
-DrawnComponents Meshes::apply_filter(const Surface& surface, const ComponentFilter& filter) {
+DrawnComponents Meshes::apply_filter(const Surface& surface) {
     const WeldedMesh whole = fetch(surface.name);
-    DrawnComponents drawn = drawn_by(filter, whole, grid(), pause_of(surface));
+    DrawnComponents drawn = drawn_by(surface.components, whole, grid(), pause_of(surface));
     show(surface.name, whole, drawn.shown);
     return drawn;
 }

@@ -67,9 +67,9 @@ class Meshes {
     DrawnComponents components(const Surface& surface);
     /// The component nearest to a point, patient (LPS). The surface has triangles.
     ChosenComponent component_at(const Surface& surface, glm::dvec3 p_mm);
-    /// Draws only the components that `filter` selects. Canceled, it changes nothing.
-    DrawnComponents apply_filter(const Surface& surface, const ComponentFilter& filter);
-    /// Lets a user cancel work of the host on the surface's mesh.
+    /// Draws only the components that the surface's filter selects.
+    DrawnComponents apply_filter(const Surface& surface);
+    /// For work of the host on the surface's mesh: hears signals and viewers.
     Pause pause_of(const Surface& surface);
     /// The measures of the surface at each isovalue (ascending), without components.
     std::vector<AtlasRow> measure(std::span<const double> isovalues, CaseRule table);

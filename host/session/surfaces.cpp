@@ -242,22 +242,19 @@ const SurfaceReport& Surfaces::report_of(const std::string& name) const {
 
 DrawnComponents Surfaces::set_components(const std::string& name, const ComponentFilter& filter) {
     Surface& surface = meshes_.surface(name);
+    surface.components = filter;
+    const Conversation::Uncancelable whole(conversation_);  // The GPs' mask is the filter's.
     try {
-        DrawnComponents drawn = meshes_.apply_filter(surface, filter);
-        surface.components = filter;
-        return drawn;
-    } catch (const Canceled&) {
-        throw;  // The components of before are drawn.
+        return meshes_.apply_filter(surface);
     } catch (...) {
         surface.components = {};  // The filter says what is drawn.
         throw;
     }
 }
 
-/// Masks a surface that was extracted again. Not canceled: the mask is the filter's.
+/// Masks a surface that was extracted again.
 void Surfaces::mask_again(const Surface& surface) {
     if (surface.components.kind != ComponentFilter::Kind::all) {
-        const Conversation::Uncancelable whole(conversation_);
         set_components(surface.name, ComponentFilter(surface.components));
     }
 }

@@ -60,7 +60,7 @@ class Surfaces {
     /// Forgets all reports, because the volume is replaced.
     void forget_reports() { reports_.clear(); }
 
-    /// Draws only these components, also after the isovalue changes. Canceled, it changes nothing.
+    /// Draws only these components, also after the isovalue changes. Cannot be canceled.
     DrawnComponents set_components(const std::string& name, const ComponentFilter& filter);
     /// Shows the cells where `watertight` and `lorensen1987` differ, as two surfaces of their own,
     /// in place of `name`. Ends with end_comparison(), or when one of the three changes.

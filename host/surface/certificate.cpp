@@ -21,7 +21,7 @@ constexpr std::uint32_t none = 0xFFFFFFFF;
 class Certifier {
   public:
     Certifier(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause)
-        : mesh_(mesh), grid_(grid), pause_(pause), pauses_(pause), measure_(mesh, grid) {}
+        : mesh_(mesh), grid_(grid), pause_(pause), measure_(mesh, grid) {}
 
     Certificate run() {
         out_.has_grid = grid_.nx != 0;
@@ -39,8 +39,7 @@ class Certifier {
         // Corners that meet over an edge are of one fan; a vertex should have one.
         DisjointSets pieces(mesh_.triangles.size()), fans(3 * mesh_.triangles.size());
         std::int64_t fan_count = 3 * out_.triangles;
-        EdgeTable(mesh_, pause_).for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
-            pauses_.step();
+        const auto look = [&](std::uint32_t low, std::span<const EdgeUse> uses) {
             ++out_.edges;
             look_at_edge(low, uses);
             const EdgeUse& first = uses[0];
@@ -49,7 +48,8 @@ class Certifier {
                 if (fans.join(first.corner_low(), use.corner_low())) --fan_count;
                 if (fans.join(first.corner_high(), use.corner_high())) --fan_count;
             }
-        });
+        };
+        EdgeTable(mesh_, pause_).for_each(look, pause_);
         out_.holes = count_holes(open_, measure_.middles());
         look_at_vertices(fans);
     }
@@ -126,7 +126,7 @@ class Certifier {
         std::vector<std::uint8_t> counts(mesh_.keys.size());
         std::vector<std::uint32_t> pinched;
         for (std::uint32_t c = 0; c < 3 * mesh_.triangles.size(); ++c) {
-            pauses_.step();
+            pause_at(c, pause_);
             if (fans.root(c) != c) continue;
             std::uint8_t& count = counts[corner(c)];
             if (count == 1) pinched.push_back(c);
@@ -146,7 +146,7 @@ class Certifier {
         static const double sine = std::sin(sliver_angle_deg * std::numbers::pi / 180);
         double doubled_area = 0;
         for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
-            pauses_.step();
+            pause_at(t, pause_);
             const auto& [a, b, c] = mesh_.triangles[t];
             if (a == b || b == c || c == a) {
                 add_defect(DefectKind::collapsed_triangle, {a, b, c}, 3, t);
@@ -199,7 +199,6 @@ class Certifier {
     const WeldedMesh& mesh_;
     const VolumeGrid& grid_;
     const Pause& pause_;
-    Pauses pauses_;
     MeshMeasure measure_;
     VolumeSums volume_;
     std::vector<VertexPair> open_;  ///< Edges off the border.

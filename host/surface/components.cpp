@@ -21,6 +21,7 @@ namespace pxpl5::host {
 namespace {
 
 constexpr double mm3_per_ml = 1000;
+constexpr std::size_t components_per_pause = 128;  ///< For each, lines of voxels are searched.
 
 /// Sums over a component.
 struct ComponentSums {
@@ -114,10 +115,10 @@ bool is_around(const MeshComponent& c) {
 class CavityOwners {
   public:
     CavityOwners(const WeldedMesh& mesh, const VolumeGrid& grid, MeshComponents& parts,
-                 bool is_last_inside, Pauses& pauses)
+                 bool is_last_inside, const Pause& pause)
         : mesh_(mesh),
           grid_(grid),
-          pauses_(pauses),
+          pause_(pause),
           parts_(parts.components),
           is_last_inside_(is_last_inside),
           has_holes_(std::any_of(parts_.begin(), parts_.end(),
@@ -125,7 +126,7 @@ class CavityOwners {
           of_vertex_(mesh.keys.size(), no_component),
           ends_(parts_.size()) {
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-            pauses_.step();
+            pause_at(t, pause_);
             for (const std::uint32_t vertex : mesh.triangles[t]) {
                 of_vertex_[vertex] = parts.of_triangle[t];
             }
@@ -137,6 +138,7 @@ class CavityOwners {
         const auto count = static_cast<std::uint32_t>(parts_.size());
         DisjointSets solids(count + 1);  // The last is the solid of the volume's first voxel.
         for (std::uint32_t i = 0; i < count; ++i) {
+            pause_at(i, pause_, components_per_pause);
             for (const Side side : {left, right}) {
                 if (!is_solid_beyond(i, side)) continue;
                 const std::uint32_t found = next_component(ends_[i][side], side);
@@ -171,7 +173,7 @@ class CavityOwners {
             ends[right][0] = -1;
         }
         for (std::size_t v = 0; v < mesh_.keys.size(); ++v) {
-            pauses_.step();
+            pause_at(v, pause_);
             const EdgePlace place = edge_place(mesh_.keys[v], grid_);
             if (place.axis != 0 || of_vertex_[v] == no_component) continue;
             auto& ends = ends_[of_vertex_[v]];
@@ -221,7 +223,6 @@ class CavityOwners {
     }
 
     std::uint32_t component_on(const Voxel& voxel, std::size_t axis) const {
-        pauses_.step();
         const auto at = [&](std::size_t i) { return static_cast<std::uint64_t>(voxel[i]); };
         const std::uint64_t index =
             at(2) * grid_.slice_voxels() + at(1) * static_cast<std::uint64_t>(grid_.nx) + at(0);
@@ -233,7 +234,7 @@ class CavityOwners {
 
     const WeldedMesh& mesh_;
     const VolumeGrid& grid_;
-    Pauses& pauses_;
+    const Pause& pause_;
     std::vector<MeshComponent>& parts_;
     bool is_last_inside_, has_holes_;
     std::vector<std::uint32_t> of_vertex_;
@@ -264,21 +265,19 @@ glm::dvec3 nearest_of_triangle(glm::dvec3 p, glm::dvec3 a, glm::dvec3 b, glm::dv
 }
 
 MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid, const Pause& pause) {
-    Pauses pauses(pause);
     const MeshMeasure measure(mesh, grid);
     const EdgeTable edges(mesh, pause);
     DisjointSets pieces(mesh.triangles.size());
-    edges.for_each([&](std::uint32_t, std::span<const EdgeUse> uses) {
-        pauses.step();
+    const auto join = [&](std::uint32_t, std::span<const EdgeUse> uses) {
         for (const EdgeUse& use : uses.subspan(1)) {
             pieces.join(uses[0].triangle(), use.triangle());
         }
-    });
+    };
+    edges.for_each(join, pause);
     MeshComponents out;
     out.of_triangle = number_components(pieces, mesh.triangles.size(), out.components);
     std::vector<ComponentSums> sums(out.components.size());
-    edges.for_each([&](std::uint32_t low, std::span<const EdgeUse> uses) {
-        pauses.step();
+    const auto add_end = [&](std::uint32_t low, std::span<const EdgeUse> uses) {
         if (uses.size() != 1) return;
         const EdgeUse& use = uses[0];
         ComponentSums& s = sums[out.of_triangle[use.triangle()]];
@@ -290,9 +289,10 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid, c
         ++s.border_edges;
         measure.add_border(use.forward() ? low : use.high, use.forward() ? use.high : low,
                            s.volume);
-    });
+    };
+    edges.for_each(add_end, pause);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        pauses.step();
+        pause_at(t, pause);
         const std::uint32_t number = out.of_triangle[t];
         MeshComponent& component = out.components[number];
         const glm::dvec3 normal = measure.doubled_normal_grid(t);
@@ -310,7 +310,7 @@ MeshComponents find_components(const WeldedMesh& mesh, const VolumeGrid& grid, c
     if (grid.nx != 0 && std::any_of(out.components.begin(), out.components.end(), is_around)) {
         VolumeSums whole;
         for (const ComponentSums& each : sums) whole.add(each.volume);
-        CavityOwners(mesh, grid, out, measure.is_last_voxel_inside(whole), pauses).run();
+        CavityOwners(mesh, grid, out, measure.is_last_voxel_inside(whole), pause).run();
     }
     return out;
 }

@@ -39,8 +39,9 @@ class EdgeTable {
     /// Calls visit(low vertex, uses) for each edge; uses ascend by triangle. A triangle with a
     /// vertex twice has no side from that vertex to itself.
     template <class Visit>
-    void for_each(Visit visit) const {
+    void for_each(Visit visit, const Pause& pause = {}) const {
         for (std::uint32_t low = 0; low + 1 < starts_.size(); ++low) {
+            pause_at(low, pause);
             const std::uint32_t end = starts_[low + 1];
             for (std::uint32_t first = starts_[low], next = first; first < end; first = next) {
                 while (next < end && uses_[next].high == uses_[first].high) ++next;

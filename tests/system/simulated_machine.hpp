@@ -76,14 +76,24 @@ class SimulatedMachine final : public host::MachinePort {
 
     void pump(const std::function<void(const bus::Message&)>& take,
               const std::function<bool()>& done) override {
-        for (ask_watcher(); !done(); ask_watcher()) {
+        bool is_done = done();
+        ask_watcher();  // Also if there is nothing to wait for, as a Machine does.
+        while (!is_done) {
             if (!mailbox_.messages.empty()) {
                 const bus::Message message = mailbox_.messages.front();
                 mailbox_.messages.pop_front();
                 take(message);
-            } else if (!ring_.step() && !done()) {
-                throw host::MachineError(1,
-                                         "the ring is idle, and what is waited for has not come");
+                is_done = done();
+            } else {
+                const bool has_stepped = ring_.step();
+                is_done = done();
+                if (!has_stepped && !is_done) {
+                    throw host::MachineError(
+                        1, "the ring is idle, and what is waited for has not come");
+                }
+            }
+            if (!is_done) {
+                ask_watcher();
             }
         }
     }

@@ -45,10 +45,10 @@ Neighbors neighbors_of(const WeldedMesh& mesh, const Pause& pause) {
 
 /// Moves all vertices by a share of the way to the mean of their neighbors. A mean in the grid is
 /// the mean in millimeters, because VolumeGrid::p_mm() is affine.
-void step(const Neighbors& near, double share, std::vector<glm::dvec3>& p, Pauses& pauses) {
+void step(const Neighbors& near, double share, std::vector<glm::dvec3>& p, const Pause& pause) {
     const std::vector<glm::dvec3> before = p;
     for (std::size_t v = 0; v < p.size(); ++v) {
-        pauses.step();
+        pause_at(v, pause);
         const std::size_t first = near.starts[v], end = near.starts[v + 1];
         if (near.is_open[v] || first == end) {
             continue;
@@ -105,10 +105,9 @@ Smoothing smooth_mesh(WeldedMesh& mesh, const VolumeGrid& grid, int passes, cons
     const std::vector<glm::dvec3> before_mm = places_mm(mesh, grid);
     const Neighbors near = neighbors_of(mesh, pause);
     std::vector<glm::dvec3> p(mesh.p_grid.begin(), mesh.p_grid.end());
-    Pauses pauses(pause);
     for (int pass = 0; pass < passes; ++pass) {
-        step(near, towards, p, pauses);
-        step(near, back, p, pauses);
+        step(near, towards, p, pause);
+        step(near, back, p, pause);
     }
     glm::dvec3 low(mesh.p_grid.front()), high = low;
     for (const glm::vec3& place : mesh.p_grid) {

@@ -70,9 +70,9 @@ TEST_SUITE("surface/pauses") {
         };
         CHECK(certificate_pauses(small) == 0);
         CHECK(component_pauses(small) == 0);
-        // 512 * 1024 triangles: three sides of each are counted and filed, ...
-        CHECK(certificate_pauses(large) > 12);
-        CHECK(component_pauses(large) > 12);
+        // 2^19 triangles and a few more than 2^18 vertices, each some times.
+        CHECK(certificate_pauses(large) > 8);
+        CHECK(component_pauses(large) > 4);
     }
     TEST_CASE("smoothing that ends in a pause leaves the mesh as it was") {
         const WeldedMesh before = sheet(512);
@@ -82,7 +82,7 @@ TEST_SUITE("surface/pauses") {
             CHECK(mesh.normals == before.normals);
             smooth_mesh(mesh, patient_grid(), 2, pause);
         });
-        CHECK(pauses > 12);
+        CHECK(pauses > 6);
         CHECK(mesh.p_grid != before.p_grid);
     }
 }

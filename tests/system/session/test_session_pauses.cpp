@@ -43,7 +43,6 @@ TEST_CASE("work of the host alone is canceled in its pauses and changes nothing"
     smoothed.smoothing = 5;
     const std::vector<std::function<void()>> works = {
         [&] { session.meshes.components(session.meshes.surface("s")); },
-        [&] { session.surfaces.set_components("s", {}); },
         [&] { session.exports.mesh("s.stl", smoothed); },
         [&] { run_command(session, parse_line("certificate s"), nullptr, command_table()); },
     };
