@@ -6,6 +6,7 @@ import http.client
 import json
 import os
 import pathlib
+import random
 import re
 import select
 import shutil
@@ -273,7 +274,7 @@ class Class(unittest.TestCase):
         self.assertEqual(self.logs_of_classes(), [])
 
     def test_a_class_that_cannot_work_does_not_start(self):
-        port = str(self.free_port())
+        port = str(self.three_free_ports())
         for volume, words, code, reason in (
                 ("phantom:sphere", ("--surface", "ball=nothing"), 64, "nothing"),
                 ("phantom:sphere", ("--port", port), 69, "Address already in use"),
@@ -290,13 +291,22 @@ class Class(unittest.TestCase):
             self.assertRegex(done.stderr, "error: the first session of the class cannot start: .*"
                              + reason)
 
-    def free_port(self):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            return min(probe.getsockname()[1], 60_000)
+    def three_free_ports(self):
+        """The first of three ports below those that the kernel gives to other programs."""
+        given = int(pathlib.Path("/proc/sys/net/ipv4/ip_local_port_range").read_text().split()[0])
+        end = max(given, 10_000)
+        for port in random.sample(range(end - 5000, end - 3), 100):
+            try:
+                with contextlib.ExitStack() as probes:
+                    for each in range(port, port + 3):
+                        probes.enter_context(socket.socket()).bind(("127.0.0.1", each))
+                return port
+            except OSError:
+                continue
+        return self.fail("no three adjacent ports are free")
 
     def test_ports_follow_that_of_the_class(self):
-        port = self.free_port()
+        port = self.three_free_ports()
         front = self.front("--sessions=2", f"--port={port}")
         self.assertEqual(front.parts.port, port)
         with socket.socket() as other:  # A program that has a port of the class.

@@ -12,7 +12,8 @@ def children_of(pid):
     for entry in pathlib.Path("/proc").iterdir():
         try:
             if entry.name.isdigit():
-                parent = int((entry / "stat").read_text().rsplit(")", 1)[1].split()[1])
+                stat = (entry / "stat").read_text(errors="replace")
+                parent = int(stat.rsplit(")", 1)[1].split()[1])
                 found += [int(entry.name)] if parent == pid else []
         except (FileNotFoundError, ProcessLookupError):
             pass  # It ended while we looked.

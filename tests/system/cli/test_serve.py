@@ -51,8 +51,9 @@ class Program:
         found = []
         for entry in pathlib.Path("/proc").glob("[0-9]*"):
             try:
-                command = (entry / "cmdline").read_text().split("\0")
-                parent = (entry / "stat").read_text().rsplit(")", 1)[1].split()[1]
+                # Another program's arguments may be any bytes.
+                command = (entry / "cmdline").read_text(errors="replace").split("\0")
+                parent = (entry / "stat").read_text(errors="replace").rsplit(")", 1)[1].split()[1]
             except (FileNotFoundError, ProcessLookupError, PermissionError):
                 continue
             if command[0].endswith(name) and parent == str(self.process.pid):
