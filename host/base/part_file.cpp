@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <linux/magic.h>
+#include <sys/file.h>
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <sys/statfs.h>
@@ -13,8 +14,12 @@
 #include <atomic>
 #include <cctype>
 #include <cerrno>
+#include <chrono>
+#include <functional>
 #include <system_error>
 #include <utility>
+
+#include "host/base/kernel/owned_descriptor.hpp"
 
 namespace pxpl5::host {
 
@@ -172,6 +177,9 @@ PartFile::PartFile(const fs::path& target)
     const int fd =
         ::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
     file_ = fd < 0 ? nullptr : fdopen(fd, "wb");
+    if (fd >= 0 && flock(fd, LOCK_EX | LOCK_NB) == 0) {
+        lock_ = fcntl(fd, F_DUPFD_CLOEXEC, 0);  // It keeps the lock while a library has the file.
+    }
     if (file_ == nullptr) {
         note_failure();
     } else {
@@ -191,13 +199,19 @@ PartFile::~PartFile() {
     }
     std::error_code absent;
     fs::remove(part_, absent);
+    if (lock_ >= 0) {
+        ::close(lock_);
+    }
     for (std::atomic<const char*>& place : open_parts) {
         const char* own = part_.c_str();
         place.compare_exchange_strong(own, nullptr);
     }
 }
 
-void remove_parts_of(const fs::path& target, fs::file_time_type since) {
+namespace {
+
+/// Calls `visit` for each regular file that may be an unfinished file of `target`.
+void visit_parts_of(const fs::path& target, const std::function<void(const fs::path&)>& visit) {
     const fs::path place = place_of(target);
     const std::string begin = "." + place.stem().string() + ".";
     const std::string end = ".part" + place.extension().string();
@@ -215,11 +229,37 @@ void remove_parts_of(const fs::path& target, fs::file_time_type since) {
          !failure && at != fs::directory_iterator(); at.increment(failure)) {
         std::error_code unknown;
         if (is_part(at->path().filename().string()) &&
-            fs::is_regular_file(at->symlink_status(unknown)) &&
-            at->last_write_time(unknown) >= since && !unknown) {
-            fs::remove(at->path(), unknown);
+            fs::is_regular_file(at->symlink_status(unknown))) {
+            visit(at->path());
         }
     }
+}
+
+}  // namespace
+
+void remove_parts_of(const fs::path& target, fs::file_time_type since) {
+    visit_parts_of(target, [since](const fs::path& part) {
+        std::error_code unknown;
+        if (fs::last_write_time(part, unknown) >= since && !unknown) {
+            fs::remove(part, unknown);
+        }
+    });
+}
+
+void remove_abandoned_parts_of(const fs::path& target) {
+    // A new file is not locked at once.
+    const auto newest = fs::file_time_type::clock::now() - std::chrono::minutes(1);
+    visit_parts_of(target, [newest](const fs::path& part) {
+        const OwnedDescriptor file(
+            ::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+        struct stat facts {};
+        std::error_code unknown;
+        if (file.fd >= 0 && fstat(file.fd, &facts) == 0 && facts.st_uid == geteuid() &&
+            fs::last_write_time(part, unknown) < newest && !unknown &&
+            flock(file.fd, LOCK_EX | LOCK_NB) == 0) {
+            fs::remove(part, unknown);
+        }
+    });
 }
 
 void remove_part_files() {

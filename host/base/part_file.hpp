@@ -37,7 +37,8 @@ std::string why_unreadable(const std::filesystem::path& path);
 
 /// A file until it is whole: written as `.NAME.RANDOM.part.SUFFIX` beside place_of(target), because
 /// renaming within a folder is atomic. The name is new, so that no file of the user is written.
-/// Removed with this object unless it was kept.
+/// Removed with this object unless it was kept. Locked until then, which
+/// remove_abandoned_parts_of() respects.
 class PartFile {
   public:
     explicit PartFile(const std::filesystem::path& target);
@@ -85,6 +86,7 @@ class PartFile {
 
     std::filesystem::path target_, part_;
     std::FILE* file_ = nullptr;
+    int lock_ = -1;    ///< Descriptor of the same open file. Negative: not locked.
     int failure_ = 0;  ///< The first errno; 0 if all went well.
 };
 
@@ -92,6 +94,11 @@ class PartFile {
 /// changed since then: for a program whose writer was killed. Another program that writes the same
 /// target at this moment gets an error.
 void remove_parts_of(const std::filesystem::path& target, std::filesystem::file_time_type since);
+
+/// Removes the unfinished files of `target` that lost their program a minute ago or earlier: writer
+/// and host were both killed. A file that a program still writes is locked and stays, and so does
+/// every file on a file system without locks.
+void remove_abandoned_parts_of(const std::filesystem::path& target);
 
 /// Removes the files of up to four PartFiles that exist, for a handler of a signal that ends the
 /// process.

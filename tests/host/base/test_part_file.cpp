@@ -149,3 +149,28 @@ TEST_CASE("unfinished files of a killed writer go, and no other file does") {
     CHECK(files() == 6);
     remove_parts_of(folder.file("none/x.stl"), now - std::chrono::hours(1));
 }
+
+TEST_CASE("abandoned files go, and those that are young, in use or of another name do not") {
+    const TemporaryFolder folder;
+    const std::string digits = "0123456789abcdef", other = "fedcba9876543210";
+    const std::string old = folder.file(".a." + digits + ".part.stl");
+    const std::string young = folder.file(".a." + other + ".part.stl");
+    const std::string of_b = folder.file(".b." + digits + ".part.stl");
+    for (const std::string& path : {old, young, of_b}) {
+        REQUIRE(write(path, "x") == "");
+    }
+    const auto an_hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
+    PartFile used(folder.file("a.stl"));
+    used.write("text");
+    REQUIRE(used.finish() == "");
+    for (const fs::path& path : {fs::path(old), fs::path(of_b), used.path()}) {
+        fs::last_write_time(path, an_hour_ago);
+    }
+    remove_abandoned_parts_of(folder.file("a.stl"));
+    CHECK_FALSE(fs::exists(old));
+    CHECK(fs::exists(young));
+    CHECK(fs::exists(of_b));
+    CHECK(used.keep() == "");
+    CHECK(text_of(folder.file("a.stl")) == "text");
+    remove_abandoned_parts_of(folder.file("none/a.stl"));
+}

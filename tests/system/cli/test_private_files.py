@@ -197,6 +197,21 @@ class PrivateFiles(unittest.TestCase):
         is_older = before == b"# older\n" * 1000
         last = before.rpartition(b"\nf ")[2]
         self.assertTrue(is_older or before.endswith(b"\n") and last.count(b"\n") == 1, last[:200])
+        # Nobody was left to remove the unfinished files.
+        parts = list(self.work.glob(".mesh.*.part.*"))
+        self.assertTrue(parts)
+        for part in parts:
+            os.utime(part, (1, 1))
+        with open(parts[0], "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX)
+            self.export_sphere()
+            self.assertEqual(list(self.work.glob(".mesh.*")), parts[:1])
+        self.export_sphere()
+        self.assertEqual(list(self.work.glob(".mesh.*")), [])
+
+    def export_sphere(self):
+        done = self.run_commands("load phantom:sphere; surface s iso=0.5; export mesh.obj")
+        self.assertEqual(done.returncode, 0, done.stderr)
 
     def test_sockets_of_a_killed_host_go_with_the_next_start(self):
         def folder_of_sockets(name):
