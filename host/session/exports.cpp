@@ -108,6 +108,7 @@ void Exports::pictures(std::span<const Picture> pictures, const std::string& pat
 
 Exports::ReadyMesh Exports::ready_for_file(const Surface& surface, const MeshExport& wish) {
     const VolumeGrid grid = meshes_.grid();
+    const Pause pause = meshes_.pause_of(surface);
     ReadyMesh ready;
     WeldedMesh& mesh = ready.simplified.mesh;
     if (wish.detail == 0) {
@@ -117,11 +118,12 @@ Exports::ReadyMesh Exports::ready_for_file(const Surface& surface, const MeshExp
         ready.simplified = meshes_.fetch_simplified(surface, wish.detail);
     }
     if (wish.smoothing > 0) {
-        ready.smoothing = smooth_mesh(mesh, grid, wish.smoothing, meshes_.pause_of(surface));
+        ready.smoothing = smooth_mesh(mesh, grid, wish.smoothing, pause);
     }
     if (wish.cap) {
         require_all_voxels(meshes_.volumes().volume(), "closing a surface at the border");
         cap_at_border(mesh, meshes_.volumes().volume(), surface.isovalue);
+        pause();
     }
     move_to_patient(mesh, grid);
     const glm::dmat3 steps(grid.voxel_to_patient);
@@ -130,6 +132,7 @@ Exports::ReadyMesh Exports::ready_for_file(const Surface& surface, const MeshExp
         std::min({glm::length(steps[0]), glm::length(steps[1]), glm::length(steps[2])});
     for (const SceneClip& clip : scene_.clips) {
         cut_by_plane(mesh, clip.plane / glm::length(glm::dvec3(clip.plane)), least_mm, wish.cap);
+        pause();
     }
     return ready;
 }

@@ -139,7 +139,7 @@ WeldedMesh Meshes::fetch(const std::string& name, bool cells) {
     const Surface& known = surface(name);
     MeshGather gather(grid(), known.id, known.revision);
     fetch_parts(known, {cells, 0}, [&gather](const bus::Message& part) { gather.add(part); });
-    return gather.finish();
+    return gather.finish(pause_of(known));
 }
 
 SimplifiedMesh Meshes::fetch_simplified(const Surface& surface, int detail) {

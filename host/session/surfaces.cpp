@@ -285,7 +285,8 @@ MeshComparison Surfaces::compare(const std::string& name) {
         set(theirs, whole.isovalue, CaseRule::lorensen1987, only_theirs);
         meshes_.surface(theirs).compared_with = name;
         const WeldedMesh a = meshes_.fetch(ours, true), b = meshes_.fetch(theirs, true);
-        MeshComparison comparison = compare_meshes(a, b, meshes_.grid());
+        const Pause pause = meshes_.pause_of(whole);
+        MeshComparison comparison = compare_meshes(a, b, meshes_.grid(), pause);
         meshes_.show(ours, a, comparison.shown_a);
         meshes_.show(theirs, b, comparison.shown_b);
         return comparison;

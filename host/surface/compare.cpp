@@ -100,7 +100,8 @@ std::vector<CaseDifference> sorted_cases(const std::array<std::size_t, 256>& cou
 
 }  // namespace
 
-MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const VolumeGrid& grid) {
+MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const VolumeGrid& grid,
+                              const Pause& pause) {
     check_cells(a);
     check_cells(b);
     MeshComparison out;
@@ -118,6 +119,7 @@ MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const Vo
             in_b.list(list_b);
             same = list_a == list_b;
         }
+        pause_at(out.cells, pause);
         ++out.cells;
         if (!same) {
             ++out.cells_differing;
@@ -129,8 +131,8 @@ MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const Vo
         if (has_b) in_b.next();
     }
     out.cases = sorted_cases(counts);
-    out.holes_a = certify(a, grid).holes;
-    out.holes_b = certify(b, grid).holes;
+    out.holes_a = certify(a, grid, pause).holes;
+    out.holes_b = certify(b, grid, pause).holes;
     return out;
 }
 

@@ -26,8 +26,10 @@ struct MeshComparison {
 };
 
 /// Compares cell by cell; the order of a cell's triangles and of their corners does not matter.
-/// Throws  RequestError if a mesh does not tell its triangles' cells, or not in ascending order.
-MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const VolumeGrid& grid);
+/// Throws  RequestError if a mesh does not tell its triangles' cells, or not in ascending order;
+///         and what `pause` throws.
+MeshComparison compare_meshes(const WeldedMesh& a, const WeldedMesh& b, const VolumeGrid& grid,
+                              const Pause& pause = {});
 
 /// name_a, name_b  Of the surfaces.
 Reply comparison_reply(const MeshComparison& comparison, std::string_view name_a,

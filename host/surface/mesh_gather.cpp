@@ -78,8 +78,10 @@ class Weld {
         mesh_.cells.reserve(origins ? triangles : 0);
     }
 
-    WeldedMesh run() {
+    WeldedMesh run(const Pause& pause) {
+        constexpr std::size_t slices_per_pause = 16;  // 2^18 triangles of a large scan.
         for (std::size_t z = 0; z <= slabs_.size(); ++z) {
+            pause_at(z, pause, slices_per_pause);
             weld_slice(z);
             if (z > 0) {
                 append_triangles(z - 1);
@@ -267,13 +269,13 @@ std::size_t MeshGather::missing() const {
     return static_cast<std::size_t>(std::count(slabs_.begin(), slabs_.end(), nullptr));
 }
 
-WeldedMesh MeshGather::finish() {
+WeldedMesh MeshGather::finish(const Pause& pause) {
     const auto gap = std::find(slabs_.begin(), slabs_.end(), nullptr);
     if (gap != slabs_.end()) {
         refuse_mesh_part(fmt::format("mesh of slab {} is missing, of {} slabs {}",
                                      gap - slabs_.begin(), slabs_.size(), missing()));
     }
-    WeldedMesh mesh = Weld(grid_, slabs_, origins_.value_or(false)).run();
+    WeldedMesh mesh = Weld(grid_, slabs_, origins_.value_or(false)).run(pause);
     slabs_.assign(slabs_.size(), nullptr);
     messages_.clear();
     return mesh;

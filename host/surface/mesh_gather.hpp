@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "host/surface/pauses.hpp"
 #include "host/surface/volume_grid.hpp"
 #include "host/surface/welded_mesh.hpp"
 #include "ringbus/message.hpp"
@@ -29,8 +30,8 @@ class MeshGather {
     /// Welds vertices by their keys and sorts them. The messages are given up.
     /// Throws   RequestError naming slab and key: for a slab that is missing, a key that its slab
     ///          cannot have or has twice, and where two slabs do not agree on a vertex that they
-    ///          share: one lacks it, or the bits differ.
-    WeldedMesh finish();
+    ///          share: one lacks it, or the bits differ. And what `pause` throws.
+    WeldedMesh finish(const Pause& pause = {});
 
   private:
     VolumeGrid grid_;

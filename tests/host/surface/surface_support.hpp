@@ -71,11 +71,11 @@ inline std::vector<bus::Message> messages_of(std::span<const gp::SlabMesh> slabs
     return messages;
 }
 
-inline host::WeldedMesh gather(std::span<const bus::Message> messages,
-                               const host::VolumeGrid& grid) {
+inline host::WeldedMesh gather(std::span<const bus::Message> messages, const host::VolumeGrid& grid,
+                               const host::Pause& pause = {}) {
     host::MeshGather gather(grid, test_surface, test_revision);
     for (const bus::Message& message : messages) gather.add(message);
-    return gather.finish();
+    return gather.finish(pause);
 }
 
 /// With the cells of triangles.

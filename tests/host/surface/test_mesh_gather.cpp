@@ -65,6 +65,18 @@ std::size_t shared_vertex(const Slabs& slabs, std::size_t slab, const host::Volu
 }  // namespace
 
 TEST_SUITE("host/surface/mesh_gather") {
+    TEST_CASE("putting many slabs together can be ended between slices") {
+        const Volume volume = make_volume({3, 3, 40}, Scalar::int16, [](int x, int y, int) {
+            return x == 1 && y == 1 ? 1.0 : 0.0;
+        });
+        const auto messages = messages_of(extract_slabs(volume, 0.5));
+        const host::VolumeGrid grid = grid_of(volume.shape);
+        int pauses = 0;
+        check_same(gather(messages, grid, [&] { ++pauses; }), gather(messages, grid));
+        CHECK(pauses == 2);
+        const auto end = [] { throw RequestError(host::ExitCode::failed, "ended"); };
+        CHECK_THROWS_AS(gather(messages, grid, end), RequestError);
+    }
     TEST_CASE("vertices ascend by key, each once, and triangles keep their corners and order") {
         const unsigned seed = seed_or(5U);
         CAPTURE(seed);

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "host/surface/certificate.hpp"
+#include "host/surface/compare.hpp"
 #include "host/surface/components.hpp"
 #include "host/surface/export/mesh_smooth.hpp"
 #include "host/surface/patient_mesh.hpp"
@@ -73,6 +74,20 @@ TEST_SUITE("surface/pauses") {
         // 2^19 triangles and a few more than 2^18 vertices, each some times.
         CHECK(certificate_pauses(large) > 8);
         CHECK(component_pauses(large) > 4);
+    }
+    TEST_CASE("a comparison of many cells can be ended") {
+        WeldedMesh mesh = sheet(600);
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            const auto cell = static_cast<std::uint32_t>(t / 2);
+            mesh.cells.push_back({static_cast<std::uint16_t>(cell % 600),
+                                  static_cast<std::uint16_t>(cell / 600), 0, 1, 0});
+        }
+        const int certificates = 2 * ends_in_each_pause([&](const Pause& pause) {
+                                     certify(mesh, patient_grid(), pause);
+                                 });
+        CHECK(ends_in_each_pause([&](const Pause& pause) {
+                  compare_meshes(mesh, mesh, patient_grid(), pause);
+              }) == certificates + 1);
     }
     TEST_CASE("smoothing that ends in a pause leaves the mesh as it was") {
         const WeldedMesh before = sheet(512);

@@ -45,6 +45,7 @@ TEST_CASE("work of the host alone is canceled in its pauses and changes nothing"
         [&] { session.meshes.components(session.meshes.surface("s")); },
         [&] { session.exports.mesh("s.stl", smoothed); },
         [&] { run_command(session, parse_line("certificate s"), nullptr, command_table()); },
+        [&] { session.surfaces.compare("s"); },
     };
     for (const auto& work : works) {
         pauses = 0;
@@ -52,6 +53,7 @@ TEST_CASE("work of the host alone is canceled in its pauses and changes nothing"
         CHECK(pauses == 1);
     }
     machine.on_work = {};
+    CHECK(session.scene.surfaces.size() == 1);
     CHECK(session.surfaces.find("s")->components == largest);
     CHECK(picture() == before);
     CHECK_NOTHROW(session.surfaces.set_components("s", {}));
