@@ -10,6 +10,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/kernel/standard_streams.hpp"
+#include "host/machine/computers/end_deadline.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -19,7 +20,6 @@ namespace {
 constexpr int failed_drain_ms = 500;  // From Shutdown to SIGTERM after a failure.
 constexpr int terminate_ms = 1000;    // From SIGTERM to SIGKILL.
 constexpr int max_discarded = 4096;
-constexpr int file_ms = 1000;      // From a part of a file of another computer to the next.
 constexpr int killed_ms = 10'000;  // From SIGKILL until the host leaves a process to the kernel.
 constexpr std::string_view ipc_scheme = "ipc://";
 
@@ -299,7 +299,7 @@ std::optional<MachineError> Launcher::bring_down(int grace_ms, Ending ending) {
 std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending) {
     std::optional<MachineError> cause;
     std::size_t step = 0;
-    std::int64_t deadline_ms = now_ms() + grace_ms;
+    EndDeadline deadline(now_ms(), grace_ms);
     const auto still_running = [&] {
         return ending == Ending::all ? processes_.running() : processes_.running_nodes();
     };
@@ -309,9 +309,9 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
         }
         const bool patient = step == steps.size();
         if (!patient && processes_.has_others() && processes_.others().takes_parts()) {
-            deadline_ms = std::max(deadline_ms, now_ms() + file_ms);  // Logs and traces.
+            deadline.take_part(now_ms());
         }
-        if (patient && now_ms() >= deadline_ms) {
+        if (patient && deadline.is_over(now_ms())) {
             const std::string text =
                 fmt::format("{} cannot be ended: the kernel keeps it {} s after SIGKILL",
                             fmt::join(left, ", "), killed_ms / 1000);
@@ -319,7 +319,7 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
             cause = cause ? cause : MachineError(ExitCode::failed, text);
             break;
         }
-        wait_for_event(static_cast<int>(std::max<std::int64_t>(0, deadline_ms - now_ms())));
+        wait_for_event(static_cast<int>(deadline.left_ms(now_ms())));
         discard_messages(true);  // The last messages belong to the trace.
         for (const Death& death : processes_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
@@ -330,7 +330,7 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
         left = still_running();
         const int signal = processes_.own().take_interrupt();
         over_->is_final |= signal != 0;  // The user wants the program to end.
-        if (!patient && !left.empty() && (signal != 0 || now_ms() >= deadline_ms)) {
+        if (!patient && !left.empty() && (signal != 0 || deadline.is_over(now_ms()))) {
             if (!cause && signal != 0) {
                 cause = interruption(signal);  // The signal causes the deaths that follow.
             }
@@ -339,7 +339,7 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
                            sigabbrev_np(steps[step].signal));
             }
             processes_.kill_all(steps[step].signal, ending == Ending::nodes);
-            deadline_ms = now_ms() + steps[step].patience_ms;
+            deadline.begin_step(now_ms(), steps[step].patience_ms);
             ++step;
         }
     }
