@@ -206,6 +206,8 @@ class Machines(OnACluster):
 
     def test_a_job_shows_its_page_and_ends(self):
         script = ROOT / "host/slurm-session.sbatch"
+        old = ".local/state/pxpl5/job-0.txt"
+        self.cluster.login(["sh", "-c", f"mkdir -p -m 700 .local/state/pxpl5; touch -d @1 {old}"])
         job = self.cluster.login(["sbatch", "--parsable", "-N3", script, "phantom:sphere"],
                                  env={"PXPL5": PXPL5}).stdout.strip()
         # No event tells another computer that the file has grown.
@@ -215,6 +217,7 @@ class Machines(OnACluster):
         told = self.cluster.login(["sh", "-c", wait], check=False, timeout=LIMIT_S)
         self.assertEqual(told.returncode, 0, self.cluster.login(["cat", f"pxpl5-{job}.out"]).stdout)
         self.assertIn("mode 600", told.stdout)
+        self.cluster.login(["test", "!", "-e", old])
         url, port = re.search(r"open +(http://127.0.0.1:(\d+)/\S+)", told.stdout).groups()
         here = re.search(rf"ssh -L {port}:127.0.0.1:{port} -J login (n\d)", told.stdout)
         self.assertTrue(here, told.stdout)
