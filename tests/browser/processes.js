@@ -40,16 +40,22 @@ export function cpuSeconds(pids) {
   return ticks.reduce((sum, each) => sum + (each || 0), 0) / TICKS_PER_S;
 }
 
+/** The sum of some values of /proc/PID/smaps_rollup of these processes, MiB. */
+function sizeMib(pids, kind) {
+  const kib = pids.flatMap(pid =>
+    [...read(`/proc/${pid}/smaps_rollup`).matchAll(kind)].map(found => Number(found[1])));
+  return kib.reduce((sum, each) => sum + each, 0) / 1024;
+}
+
 /** Memory of these processes in MiB: what they share is counted once (proportional set size). */
 export function memoryMib(pids) {
-  const kib = pids.map(pid =>
-    Number(/^Pss:\s+(\d+)/m.exec(read(`/proc/${pid}/smaps_rollup`))?.[1]));
-  return kib.reduce((sum, each) => sum + (each || 0), 0) / 1024;
+  return sizeMib(pids, /^Pss:\s+(\d+)/mg);
 }
 
 /**
- * What each process holds: its program, its memory in MiB (proportional set size), and how many
- * descriptors and threads.
+ * What each process holds: its program, its memory in MiB, and how many descriptors and threads.
+ * The memory is without the pages of files: a process has a larger share of its libraries as soon
+ * as another program that uses them ends.
  * @param {number[]} pids
  */
 export function holdings(pids) {
@@ -64,7 +70,8 @@ export function holdings(pids) {
       if (error.code !== 'ENOENT' && error.code !== 'ESRCH') throw error;
       continue;
     }
-    found.set(pid, { name: /^Name:\s+(.*)/m.exec(status)[1], mib: memoryMib([pid]), descriptors,
+    found.set(pid, { name: /^Name:\s+(.*)/m.exec(status)[1], descriptors,
+                  mib: sizeMib([pid], /^Pss_(?:Anon|Shmem):\s+(\d+)/mg),
                   threads: Number(/^Threads:\s+(\d+)/m.exec(status)[1]) });
   }
   return found;
