@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdlib>
@@ -72,12 +73,29 @@ bool lock_run(const fs::path& folder, const std::vector<fs::path>& locks) {
 /// Begin of a run folder's name until it is locked: programs that tidy now do not see it.
 constexpr std::string_view new_begin = ".new-";
 
-/// Removes the new folders of programs that were killed before they had named them.
+constexpr const char* config_name = "config.resolved.json";
+constexpr const char* manifest_name = "manifest.json";
+
+/// Removes the new folders of programs that were killed before they had named them. A folder with
+/// any other file stays: no start has made it.
 void remove_stale_new(const fs::path& base) {
+    constexpr std::array own = {lock_name, config_name, manifest_name};
     std::error_code ignored;
     for (const fs::directory_entry& entry : fs::directory_iterator(base, ignored)) {
-        if (is_stale_folder(entry.path(), new_begin)) {
-            fs::remove_all(entry.path(), ignored);
+        if (!is_stale_folder(entry.path(), new_begin, std::chrono::hours(1))) {
+            continue;
+        }
+        std::set<std::string> names;
+        for (const fs::directory_entry& each : fs::directory_iterator(entry.path(), ignored)) {
+            names.insert(each.path().filename());
+        }
+        if (std::ranges::all_of(names, [&](const std::string& name) {
+                return std::ranges::find(own, name) != own.end();
+            })) {
+            for (const std::string& name : names) {
+                ::unlink((entry.path() / name).c_str());
+            }
+            ::rmdir(entry.path().c_str());
         }
     }
 }
@@ -273,8 +291,8 @@ fs::path make_run_folder(const fs::path& base, const Topology& topology, int kee
     static std::vector<fs::path> locks;
     NewFolder made(parent);
     const bool has_own_lock = lock_run(made.path(), locks);
-    write_private_file(made.path() / "config.resolved.json", resolved_json(topology));
-    write_private_file(made.path() / "manifest.json",
+    write_private_file(made.path() / config_name, resolved_json(topology));
+    write_private_file(made.path() / manifest_name,
                        manifest(topology, fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", utc)) + "\n");
     fs::path folder = made.become(parent / name);
     if (has_own_lock) {

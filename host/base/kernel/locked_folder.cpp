@@ -22,8 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* lock_file = "lock";
-
 std::vector<fs::path> entries_of(const fs::path& folder) {
     std::vector<fs::path> entries;
     std::error_code failure;
@@ -40,13 +38,13 @@ void remove_folder(const fs::path& path, const fs::path& contents) {
     std::error_code failure;
     bool is_bare = true;
     for (const fs::path& entry : entries_of(contents)) {
-        if (entry.filename() != lock_file) {
+        if (entry.filename() != temporary_lock) {
             fs::remove_all(entry, failure);
             is_bare = is_bare && !failure;
         }
     }
     if (is_bare) {
-        ::unlink((contents / lock_file).c_str());
+        ::unlink((contents / temporary_lock).c_str());
         ::rmdir(path.c_str());
     }
 }
@@ -67,7 +65,7 @@ struct NewLock {
 /// Locks a new folder. If this process was stopped for long in between, another start takes the
 /// folder for a stale one.
 NewLock lock_new_folder(const fs::path& folder) {
-    const fs::path lock = folder / lock_file;
+    const fs::path lock = folder / temporary_lock;
     const int file = ::open(lock.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0600);
     if (file < 0) {
         return {.is_lost = errno == ENOENT, .reason = errno};
@@ -101,7 +99,7 @@ void remove_if_unused(const fs::path& path, const IsUnused& is_unused) {
         return;
     }
     const OwnedDescriptor lock(
-        openat(folder.fd, lock_file, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+        openat(folder.fd, temporary_lock, O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
     const bool has_lock = lock.fd >= 0;
     const bool is_free = has_lock ? is_lock_file(lock.fd) && flock(lock.fd, LOCK_EX | LOCK_NB) == 0
                                   : errno == ENOENT;
@@ -112,14 +110,14 @@ void remove_if_unused(const fs::path& path, const IsUnused& is_unused) {
 
 }  // namespace
 
-bool is_stale_folder(const fs::path& folder, std::string_view begin) {
-    constexpr std::chrono::seconds youth{10};
+bool is_stale_folder(const fs::path& folder, std::string_view begin, std::chrono::seconds youth) {
     constexpr std::size_t random_letters = 6;
     const std::string name = folder.filename().string();
     struct stat facts {};
     return name.starts_with(begin) && name.size() == begin.size() + random_letters &&
            lstat(folder.c_str(), &facts) == 0 && S_ISDIR(facts.st_mode) &&
-           facts.st_uid == geteuid() && std::time(nullptr) - facts.st_mtime >= youth.count();
+           facts.st_uid == geteuid() && (facts.st_mode & ACCESSPERMS) == S_IRWXU &&
+           std::time(nullptr) - facts.st_mtime >= youth.count();
 }
 
 int LockedFolder::make(const fs::path& parent, const std::string& name) {

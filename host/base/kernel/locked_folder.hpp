@@ -1,6 +1,7 @@
 // Private folders with a lock, so that the next start removes those of killed programs.
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <span>
@@ -9,12 +10,17 @@
 
 namespace pxpl5::host {
 
-/// Returns whether `folder` is a folder of this user that mkdtemp() has made, with a name that
-/// begins with `begin`, and so old that its program is not about to use it.
-bool is_stale_folder(const std::filesystem::path& folder, std::string_view begin);
+/// In a LockedFolder. No run folder has a file of this name, so that copies of runs are no
+/// temporary folders.
+inline constexpr const char* temporary_lock = ".pxpl5-temporary";
 
-/// A new folder for the owner alone. Its file `lock` is locked until this object or the process
-/// ends, however the process ends. No child inherits the lock.
+/// Returns whether `folder` is a folder of this user that mkdtemp() has made, for the owner alone,
+/// with a name that begins with `begin`, and so old that its program is not about to use it.
+bool is_stale_folder(const std::filesystem::path& folder, std::string_view begin,
+                     std::chrono::seconds youth = std::chrono::seconds(10));
+
+/// A new folder for the owner alone. Its file `temporary_lock` is locked until this object or the
+/// process ends, however the process ends. No child inherits the lock.
 class LockedFolder {
   public:
     LockedFolder() = default;

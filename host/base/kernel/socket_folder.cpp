@@ -6,6 +6,7 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -51,15 +52,25 @@ bool is_served(const fs::path& socket_path) {
     return !is_refused;
 }
 
-/// Removes a folder without a lock and without a host's socket, if it is empty and was empty for an
-/// hour: earlier versions made no locks, and have left such folders.
+/// Removes a folder without a lock, if it is empty and was empty for an hour: earlier versions made
+/// no locks, and have left such folders.
 void remove_empty(const fs::path& folder) {
     constexpr std::chrono::hours age{1};
     struct stat facts {};
-    if (lstat(folder.c_str(), &facts) == 0 && (facts.st_mode & ACCESSPERMS) == S_IRWXU &&
+    if (lstat(folder.c_str(), &facts) == 0 &&
         std::time(nullptr) - facts.st_mtime >= std::chrono::seconds(age).count()) {
         ::rmdir(folder.c_str());
     }
+}
+
+/// Returns whether the folder has no files.
+bool has_only_sockets(const fs::path& folder) {
+    std::error_code failure;
+    const fs::directory_iterator entries(folder, failure);
+    return !failure && std::all_of(begin(entries), end(entries), [](const auto& entry) {
+        std::error_code unknown;
+        return fs::is_socket(entry.symlink_status(unknown));
+    });
 }
 
 /// Removes the folders of sockets whose program has ended: it has no lock any more, and no program
@@ -69,6 +80,9 @@ void remove_stale_sockets(const fs::path& parent) {
     remove_stale_folders(parent, begins, [](const fs::path& folder, bool has_lock) {
         struct stat socket_facts {};
         const fs::path host = folder / "host";
+        if (!has_lock && !has_only_sockets(folder)) {
+            return false;
+        }
         if (lstat(host.c_str(), &socket_facts) == 0 && S_ISSOCK(socket_facts.st_mode)) {
             return !is_served(host);
         }

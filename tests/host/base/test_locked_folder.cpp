@@ -186,7 +186,7 @@ TEST_CASE("a young folder of a killed program stays") {
 TEST_CASE("no child inherits the lock of a folder") {
     const Place place;
     const TemporaryFolder folder(info_folder);
-    const std::string lock = folder.path() / "lock";
+    const std::string lock = folder.path() / temporary_lock;
     int found = 0;
     for (const auto& entry : fs::directory_iterator("/proc/self/fd")) {
         std::error_code closed;
@@ -227,7 +227,7 @@ TEST_CASE("a folder that another start removes before it has a lock is made agai
             first = entry.path();
         }
         if (locks_meanwhile) {
-            other = ::open((first / "lock").c_str(), O_RDWR | O_CLOEXEC);
+            other = ::open((first / temporary_lock).c_str(), O_RDWR | O_CLOEXEC);
             REQUIRE(syscall(SYS_flock, other, LOCK_EX) == 0);
         } else {
             make_old(first);
@@ -237,7 +237,7 @@ TEST_CASE("a folder that another start removes before it has a lock is made agai
     const TemporaryFolder folder(info_folder);
     CHECK(!first.empty());
     CHECK(fs::exists(first) == locks_meanwhile);
-    CHECK(fs::exists(folder.path() / "lock"));
+    CHECK(fs::exists(folder.path() / temporary_lock));
     CHECK(folder.path() != first);
     if (other >= 0) {
         ::close(other);
@@ -250,7 +250,7 @@ TEST_CASE("a file system without locks leaves a folder that no start removes") {
     const TemporaryFolder folder(info_folder);
     const SocketFolder sockets;
     has_no_locks = false;
-    CHECK(!fs::exists(folder.path() / "lock"));
+    CHECK(!fs::exists(folder.path() / temporary_lock));
     make_old(folder.path());
     make_old(sockets.path());
     { const SocketFolder next; }
@@ -261,7 +261,7 @@ TEST_CASE("a file system without locks leaves a folder that no start removes") {
 TEST_CASE("only folders of killed programs go") {
     const Place place;
     const fs::path elsewhere = place.make("elsewhere"), link = place / "pxpl5-info-dddddd";
-    write(elsewhere / "lock");
+    write(elsewhere / temporary_lock);
     write(elsewhere / "file");
     fs::create_directory_symlink(elsewhere, link);
     const fs::path without_lock = place.make("pxpl5-info-aaaaaa"),
@@ -270,11 +270,11 @@ TEST_CASE("only folders of killed programs go") {
                    folder_lock = place.make("pxpl5-info-eeeeee"),
                    other_name = place.make("pxpl5-info-much-longer"),
                    foreign = place.make("pxpl5-info-ffffff");
-    write(other_lock / "lock", "text of the user");
-    fs::create_symlink(elsewhere / "lock", linked_lock / "lock");
-    fs::create_directory(folder_lock / "lock");
-    write(other_name / "lock");
-    write(foreign / "lock");
+    write(other_lock / temporary_lock, "text of the user");
+    fs::create_symlink(elsewhere / temporary_lock, linked_lock / temporary_lock);
+    fs::create_directory(folder_lock / temporary_lock);
+    write(other_name / temporary_lock);
+    write(foreign / temporary_lock);
     constexpr uid_t other = 65533;
     if (chown(foreign.c_str(), other, other) != 0) {
         MESSAGE("SKIPPED in part: only root can give a folder to another user");
@@ -288,9 +288,32 @@ TEST_CASE("only folders of killed programs go") {
     { const SocketFolder next; }
     for (const fs::path& path :
          {without_lock, other_lock, linked_lock, folder_lock, other_name, foreign, link,
-          elsewhere / "file", elsewhere / "lock", place / "pxpl5-info-gggggg"}) {
+          elsewhere / "file", elsewhere / temporary_lock, place / "pxpl5-info-gggggg"}) {
         CAPTURE(path);
         CHECK(fs::exists(path));
+    }
+}
+
+TEST_CASE("folders of the user stay that look much like temporary ones") {
+    const Place place;
+    const fs::path copied_run = place.make("pxpl5-oldrun"), build = place.make("pxpl5-build1"),
+                   open = place.make("pxpl5-shared", 0755), tools = place.make("pxpl5-socket");
+    for (const fs::path& folder : {copied_run, build}) {
+        write(folder / "lock");  // As in each run folder.
+        write(folder / "manifest.json", "{}");
+    }
+    write(open / temporary_lock);
+    write(open / "file");
+    ::close(serve(tools / "host"));
+    write(tools / "file");
+    for (const fs::path& folder : {copied_run, build, open, tools}) {
+        make_old(folder, 120);
+    }
+    { const SocketFolder next; }
+    for (const fs::path& file :
+         {copied_run / "manifest.json", build / "manifest.json", open / "file", tools / "file"}) {
+        CAPTURE(file);
+        CHECK(fs::exists(file));
     }
 }
 
@@ -298,7 +321,7 @@ TEST_CASE("what lies in a folder goes - but nothing behind its links") {
     const Place place;
     const fs::path elsewhere = place.make("elsewhere"), dead = place.make("pxpl5-info-aaaaaa");
     write(elsewhere / "file");
-    write(dead / "lock");
+    write(dead / temporary_lock);
     fs::create_directory_symlink(elsewhere, dead / "inner");
     make_old(dead);
     { const SocketFolder next; }
@@ -313,7 +336,7 @@ TEST_CASE("a folder of which a part cannot be removed keeps its lock for a later
     }
     const Place place;
     const fs::path dead = place.make("pxpl5-info-aaaaaa"), inner = dead / "inner";
-    write(dead / "lock");
+    write(dead / temporary_lock);
     write(dead / "file");
     fs::create_directory(inner);
     write(inner / "file");
@@ -351,7 +374,7 @@ TEST_CASE("a folder whose host listens stays also without a lock") {
         const fs::path folder = place.make("pxpl5-aaaaaa");
         const int listening = serve(folder / "host");
         if (has_lock) {
-            write(folder / "lock");
+            write(folder / temporary_lock);
         }
         make_old(folder, 120);
         { const SocketFolder next; }

@@ -117,19 +117,35 @@ TEST_CASE("two run folders of one second and one program have two names") {
 TEST_CASE("a folder that a killed start has left goes with a later start, and a young one stays") {
     const test::TemporaryFolder folder;
     const fs::path base = folder.file("runs");
-    for (const char* name : {".new-aaaaaa", ".new-bbbbbb", ".new-much-longer", ".news"}) {
+    // The clock was set back after the start of cccccc: that program may be at work.
+    for (const auto& [name, age_h] : std::map<std::string, int>{{".new-aaaaaa", 2},
+                                                                {".new-bbbbbb", 0},
+                                                                {".new-cccccc", -1},
+                                                                {".new-dddddd", 2},
+                                                                {".new-things", 2},
+                                                                {".new-public", 2},
+                                                                {".new-much-longer", 2},
+                                                                {".news", 2}}) {
         fs::create_directories(base / name);
-        if (name != std::string(".new-bbbbbb")) {
-            fs::last_write_time(base / name,
-                                fs::file_time_type::clock::now() - std::chrono::hours(1));
+        fs::permissions(base / name, fs::perms::owner_all);
+        if (name == ".new-dddddd") {
+            std::ofstream(base / name / "lock");
+            std::ofstream(base / name / "config.resolved.json") << "{}";
         }
+        if (name == ".new-things") {
+            std::ofstream(base / name / "thesis.txt") << "text";
+        }
+        if (name == ".new-public") {
+            fs::permissions(base / name, fs::perms(0755));
+        }
+        fs::last_write_time(base / name,
+                            fs::file_time_type::clock::now() - std::chrono::hours(age_h));
     }
-    // The clock was set back after another start: that program may be at work.
-    fs::create_directories(base / ".new-cccccc");
-    fs::last_write_time(base / ".new-cccccc",
-                        fs::file_time_type::clock::now() + std::chrono::hours(1));
     make_run_folder(base, Topology{});
     CHECK(!fs::exists(base / ".new-aaaaaa"));
+    CHECK(!fs::exists(base / ".new-dddddd"));
+    CHECK(fs::exists(base / ".new-things/thesis.txt"));
+    CHECK(fs::exists(base / ".new-public"));
     CHECK(fs::exists(base / ".new-bbbbbb"));
     CHECK(fs::exists(base / ".new-cccccc"));
     CHECK(fs::exists(base / ".new-much-longer"));
