@@ -16,6 +16,9 @@
 #include <cerrno>
 #include <chrono>
 #include <functional>
+#include <mutex>
+#include <set>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -29,6 +32,8 @@ namespace {
 
 constexpr std::size_t buffer_bytes = std::size_t{1} << 18;
 constexpr std::size_t random_digits = 16;
+constexpr std::string_view part_end = ".part";
+constexpr std::size_t mark_size = 1 + random_digits + part_end.size();  // ".RANDOM.part"
 
 /// Characters that no other program can foresee.
 std::string random_text() {
@@ -182,6 +187,9 @@ PartFile::PartFile(const fs::path& target)
     }
     if (file_ == nullptr) {
         note_failure();
+        if (fd >= 0) {
+            ::close(fd);
+        }
     } else {
         for (std::atomic<const char*>& place : open_parts) {
             const char* none = nullptr;
@@ -210,26 +218,19 @@ PartFile::~PartFile() {
 
 namespace {
 
-/// Calls `visit` for each regular file that may be an unfinished file of `target`.
-void visit_parts_of(const fs::path& target, const std::function<void(const fs::path&)>& visit) {
-    const fs::path place = place_of(target);
-    const std::string begin = "." + place.stem().string() + ".";
-    const std::string end = ".part" + place.extension().string();
-    const bool has_colors = place.extension() == ".obj";  // Beside it, in a file of their own.
-    const auto is_part = [&](const std::string& name) {
-        return name.starts_with(begin) &&
-               (name.ends_with(end) || (has_colors && name.ends_with(".part.mtl"))) &&
-               name.compare(std::min(name.size(), begin.size() + random_digits), 5, ".part") == 0 &&
-               std::all_of(name.begin() + static_cast<std::ptrdiff_t>(begin.size()),
-                           name.begin() + static_cast<std::ptrdiff_t>(begin.size() + random_digits),
-                           [](unsigned char c) { return std::isxdigit(c) != 0; });
-    };
+/// Returns whether `text` is ".RANDOM.part", as a PartFile has it between stem and suffix.
+bool is_mark(std::string_view text) {
+    return text.size() == mark_size && text.starts_with('.') && text.ends_with(part_end) &&
+           std::ranges::all_of(text.substr(1, random_digits),
+                               [](unsigned char c) { return std::isxdigit(c) != 0; });
+}
+
+void visit_files(const fs::path& folder, const std::function<void(const fs::path&)>& visit) {
     std::error_code failure;
-    for (fs::directory_iterator at(folder_of(place), failure);
-         !failure && at != fs::directory_iterator(); at.increment(failure)) {
+    for (fs::directory_iterator at(folder, failure); !failure && at != fs::directory_iterator();
+         at.increment(failure)) {
         std::error_code unknown;
-        if (is_part(at->path().filename().string()) &&
-            fs::is_regular_file(at->symlink_status(unknown))) {
+        if (fs::is_regular_file(at->symlink_status(unknown))) {
             visit(at->path());
         }
     }
@@ -238,26 +239,51 @@ void visit_parts_of(const fs::path& target, const std::function<void(const fs::p
 }  // namespace
 
 void remove_parts_of(const fs::path& target, fs::file_time_type since) {
-    visit_parts_of(target, [since](const fs::path& part) {
+    const fs::path place = place_of(target);
+    const std::string begin = "." + place.stem().string();
+    const std::string end = place.extension().string();
+    const bool has_colors = end == ".obj";  // Beside it, in a file of their own.
+    visit_files(folder_of(place), [&](const fs::path& file) {
+        const std::string name = file.filename().string();
+        const bool is_part = name.starts_with(begin) &&
+                             (name.ends_with(end) || (has_colors && name.ends_with(".mtl"))) &&
+                             name.size() == begin.size() + mark_size + end.size() &&
+                             is_mark(std::string_view(name).substr(begin.size(), mark_size));
         std::error_code unknown;
-        if (fs::last_write_time(part, unknown) >= since && !unknown) {
-            fs::remove(part, unknown);
+        if (is_part && fs::last_write_time(file, unknown) >= since && !unknown) {
+            fs::remove(file, unknown);
         }
     });
 }
 
-void remove_abandoned_parts_of(const fs::path& target) {
+void remove_abandoned_parts(const fs::path& target) {
+    static std::mutex one_at_a_time;
+    static std::set<fs::path> seen;
+    const fs::path folder = folder_of(place_of(target));
+    std::error_code unknown;
+    {
+        const std::lock_guard lock(one_at_a_time);
+        if (!seen.insert(fs::absolute(folder, unknown)).second) {
+            return;
+        }
+    }
     // A new file is not locked at once.
     const auto newest = fs::file_time_type::clock::now() - std::chrono::minutes(1);
-    visit_parts_of(target, [newest](const fs::path& part) {
+    visit_files(folder, [newest](const fs::path& part) {
+        const bool has_suffix = part.extension() != part_end;
+        const std::string stem = (has_suffix ? part.stem() : part.filename()).string();
+        if (!stem.starts_with('.') || stem.size() <= mark_size ||
+            !is_mark(std::string_view(stem).substr(stem.size() - mark_size))) {
+            return;
+        }
         const OwnedDescriptor file(
             ::open(part.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
         struct stat facts {};
-        std::error_code unknown;
+        std::error_code failure;
         if (file.fd >= 0 && fstat(file.fd, &facts) == 0 && facts.st_uid == geteuid() &&
-            fs::last_write_time(part, unknown) < newest && !unknown &&
+            fs::last_write_time(part, failure) < newest && !failure &&
             flock(file.fd, LOCK_EX | LOCK_NB) == 0) {
-            fs::remove(part, unknown);
+            fs::remove(part, failure);
         }
     });
 }

@@ -38,7 +38,7 @@ std::string why_unreadable(const std::filesystem::path& path);
 /// A file until it is whole: written as `.NAME.RANDOM.part.SUFFIX` beside place_of(target), because
 /// renaming within a folder is atomic. The name is new, so that no file of the user is written.
 /// Removed with this object unless it was kept. Locked until then, which
-/// remove_abandoned_parts_of() respects.
+/// remove_abandoned_parts() respects.
 class PartFile {
   public:
     explicit PartFile(const std::filesystem::path& target);
@@ -95,10 +95,11 @@ class PartFile {
 /// target at this moment gets an error.
 void remove_parts_of(const std::filesystem::path& target, std::filesystem::file_time_type since);
 
-/// Removes the unfinished files of `target` that lost their program a minute ago or earlier: writer
-/// and host were both killed. A file that a program still writes is locked and stays, and so does
-/// every file on a file system without locks.
-void remove_abandoned_parts_of(const std::filesystem::path& target);
+/// Removes the unfinished files in the folder of `target` that lost their program a minute ago or
+/// earlier: writer and host were both killed. A file that a program still writes is locked and
+/// stays, and so does every file on a file system without locks. For a host that is about to write
+/// `target`. Looks once at each folder, because a command may write thousands of pictures.
+void remove_abandoned_parts(const std::filesystem::path& target);
 
 /// Removes the files of up to four PartFiles that exist, for a handler of a signal that ends the
 /// process.

@@ -148,6 +148,7 @@ Fields file_identity(const std::string& path) {
 }
 
 void write_text(const std::string& path, const std::string& text) {
+    remove_abandoned_parts(path);
     PartFile file(path);
     file.write(text);
     if (const std::string failure = file.keep(); !failure.empty()) {

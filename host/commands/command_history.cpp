@@ -62,6 +62,7 @@ void write_script(const std::string& path, const std::string& text) {
     if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) {
         reason = write_device(path, text);
     } else {
+        remove_abandoned_parts(path);
         PartFile file(path);
         file.write(text);
         reason = file.keep();

@@ -289,6 +289,7 @@ void write_curve(Session& session, const std::vector<Curve>& curves, const std::
     const Volume& volume = session.volumes.volume();
     if (suffix_of(path) == ".csv") {
         const Table table = table_of(volume, curves);
+        remove_abandoned_parts(path);
         PartFile file(path);
         file.write(csv_heading(table) + csv_rows(table));
         if (const std::string reason = file.keep(); !reason.empty()) {

@@ -61,6 +61,7 @@ Film::Film(const std::filesystem::path& target, const FilmForm& form) : target_(
     if (const std::string wrong = wrong_place(target); !wrong.empty()) {
         throw RequestError(ExitCode::usage, wrong);
     }
+    remove_abandoned_parts(target);
     parts_ = for_file(target_, [&] { return std::make_unique<Parts>(target, form); });
 }
 

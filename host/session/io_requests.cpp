@@ -49,7 +49,7 @@ IoOutcome IoRequests::read(const std::string& path, bus::Payload request, ExitCo
 }
 
 IoOutcome IoRequests::write(const std::string& path, bus::Payload request) {
-    remove_abandoned_parts_of(path);
+    remove_abandoned_parts(path);
     // File systems keep times in steps of up to 2 s.
     const auto start = std::filesystem::file_time_type::clock::now() - std::chrono::seconds(3);
     try {

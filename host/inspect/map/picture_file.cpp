@@ -39,6 +39,7 @@ void write_png(const std::filesystem::path& path, int width, int height,
     std::string bytes(size, '\0');
     std::string failure;
     if (png_image_write_to_memory(&image, bytes.data(), &size, 0, rgba.data(), 0, nullptr) != 0) {
+        remove_abandoned_parts(path);
         PartFile file(path);
         file.write(std::string_view(bytes).substr(0, size));
         failure = file.keep();

@@ -150,27 +150,37 @@ TEST_CASE("unfinished files of a killed writer go, and no other file does") {
     remove_parts_of(folder.file("none/x.stl"), now - std::chrono::hours(1));
 }
 
-TEST_CASE("abandoned files go, and those that are young, in use or of another name do not") {
+TEST_CASE("abandoned files go, and those that are young, in use or of the user do not") {
     const TemporaryFolder folder;
     const std::string digits = "0123456789abcdef", other = "fedcba9876543210";
     const std::string old = folder.file(".a." + digits + ".part.stl");
     const std::string young = folder.file(".a." + other + ".part.stl");
-    const std::string of_b = folder.file(".b." + digits + ".part.stl");
-    for (const std::string& path : {old, young, of_b}) {
+    const std::string of_b = folder.file(".b." + digits + ".part.png");
+    const std::string no_suffix = folder.file(".notes." + digits + ".part");
+    const std::string of_user = folder.file("c." + digits + ".part.png");
+    const std::string short_one = folder.file("." + digits + ".part.png");
+    const std::string no_part = folder.file(".d." + digits + ".apart.png");
+    for (const std::string& path : {old, young, of_b, no_suffix, of_user, short_one, no_part}) {
         REQUIRE(write(path, "x") == "");
     }
     const auto an_hour_ago = fs::file_time_type::clock::now() - std::chrono::hours(1);
     PartFile used(folder.file("a.stl"));
     used.write("text");
     REQUIRE(used.finish() == "");
-    for (const fs::path& path : {fs::path(old), fs::path(of_b), used.path()}) {
-        fs::last_write_time(path, an_hour_ago);
+    for (const auto& entry : fs::directory_iterator(folder.file(""))) {
+        if (entry.path() != young) {
+            fs::last_write_time(entry.path(), an_hour_ago);
+        }
     }
-    remove_abandoned_parts_of(folder.file("a.stl"));
+    remove_abandoned_parts(folder.file("a.stl"));
     CHECK_FALSE(fs::exists(old));
     CHECK(fs::exists(young));
-    CHECK(fs::exists(of_b));
+    CHECK_FALSE(fs::exists(of_b));
+    CHECK_FALSE(fs::exists(no_suffix));
+    CHECK(fs::exists(of_user));
+    CHECK(fs::exists(short_one));
+    CHECK(fs::exists(no_part));
     CHECK(used.keep() == "");
     CHECK(text_of(folder.file("a.stl")) == "text");
-    remove_abandoned_parts_of(folder.file("none/a.stl"));
+    remove_abandoned_parts(folder.file("none/a.stl"));
 }

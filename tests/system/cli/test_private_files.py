@@ -200,14 +200,17 @@ class PrivateFiles(unittest.TestCase):
         # Nobody was left to remove the unfinished files.
         parts = list(self.work.glob(".mesh.*.part.*"))
         self.assertTrue(parts)
+        parts.append(self.work / ".film.0123456789abcdef.part.webm")
+        parts[-1].touch()
         for part in parts:
             os.utime(part, (1, 1))
         with open(parts[0], "rb") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
             self.export_sphere()
-            self.assertEqual(list(self.work.glob(".mesh.*")), parts[:1])
-        self.export_sphere()
-        self.assertEqual(list(self.work.glob(".mesh.*")), [])
+            self.assertEqual(list(self.work.glob(".*.part.*")), parts[:1])
+        done = self.run_commands("load phantom:sphere; history script.txt")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(list(self.work.glob(".*.part.*")), [])
 
     def export_sphere(self):
         done = self.run_commands("load phantom:sphere; surface s iso=0.5; export mesh.obj")
@@ -216,7 +219,7 @@ class PrivateFiles(unittest.TestCase):
     def test_sockets_of_a_killed_host_go_with_the_next_start(self):
         def folder_of_sockets(name):
             folder = self.sockets / name
-            folder.mkdir()
+            folder.mkdir(mode=0o700)
             server = socket.socket(socket.AF_UNIX)
             server.bind(str(folder / "host"))
             server.listen()
