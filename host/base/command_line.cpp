@@ -2,7 +2,9 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <optional>
@@ -43,9 +45,17 @@ Word read_word(std::string_view line, std::size_t& at) {
     return word;
 }
 
+/// Returns whether no shell gives the character a meaning, so that a saved script starts no
+/// program if a user runs it by a shell.
+bool is_plain(char c) {
+    constexpr std::string_view marks = "_./:,+-%@";
+    const auto byte = static_cast<unsigned char>(c);
+    return byte >= 0x80 || std::isalnum(byte) != 0 || marks.find(c) != std::string_view::npos;
+}
+
 /// The word, in quotes where it needs them; a quote itself goes into the other kind.
 std::string quoted(const std::string& word) {
-    if (!word.empty() && word.find_first_of(" \t\r\n;#'\"=") == std::string::npos) {
+    if (!word.empty() && std::ranges::all_of(word, is_plain)) {
         return word;
     }
     std::string text = "'";

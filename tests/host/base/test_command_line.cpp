@@ -67,6 +67,31 @@ TEST_SUITE("host/command_line") {
         CHECK(parse_line("# all of it").name.empty());
     }
 
+    TEST_CASE("a line that is written again has no character of a shell outside of quotes") {
+        for (const std::string word :
+             {"$(touch x)", "a;b", "`x`", "a|b", "a&b", "a>b", "*", "~", "a'$x'b"}) {
+            CAPTURE(word);
+            Arguments arguments;
+            arguments.name = "surface";
+            arguments.words = {word};
+            const std::string line = to_line(arguments);
+            CHECK(parse_line(line).words == arguments.words);
+            char quote = 0;
+            for (const char c : line) {
+                if (quote == 0) {
+                    CHECK(std::string_view("$`|&;<>()*?~!{}[]\\").find(c) ==
+                          std::string_view::npos);
+                }
+                if (c == '\'' || c == '"') {
+                    quote = quote == 0 ? c : quote == c ? '\0' : quote;
+                }
+            }
+        }
+        Arguments plain;
+        plain.name = "load";
+        plain.words = {"/data/scan-1.nrrd", "100%", "Schädel"};
+        CHECK(to_line(plain) == "load /data/scan-1.nrrd 100% Schädel");
+    }
     TEST_CASE("an open quote and a repeated key are refused by name") {
         CHECK(contains(error_of([] { parse_line("load 'abc"); }), "not closed"));
         CHECK(contains(error_of([] { parse_line("surface b iso=1 iso=2"); }), "'iso'"));
