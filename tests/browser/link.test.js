@@ -189,6 +189,21 @@ test('the address bar keeps no token, and the page can be loaded again', async (
   await close();
 });
 
+test('a tab without the token has the page, but not the session, and says why', async () => {
+  const context = await browser.newContext();
+  try {
+    const page = await context.newPage();
+    await page.goto(server.url);
+    await settled(page);
+    const bare = await context.newPage();
+    await bare.goto(page.url());
+    await bare.getByTestId('lost-next').getByText('without the token').waitFor();
+    assert.equal(await bare.evaluate(() => globalThis.pxpl5?.frames ?? 0), 0);
+  } finally {
+    await context.close();
+  }
+});
+
 test('a watcher sees what the driver does, and can do nothing', async () => {
   const driver = await openPage(browser, server.url);
   const watcher = await openPage(browser, server.watchUrl);

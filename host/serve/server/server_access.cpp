@@ -105,6 +105,10 @@ std::string foreign(const AccessRules& rules, const Request& request) {
     return "";
 }
 
+Verdict without_token() {
+    return {403, "The token is missing. Open an address that pxpl5 serve printed.", {}, {}};
+}
+
 std::string host_name() {
     std::array<char, 256> name{};
     return gethostname(name.data(), name.size() - 1) == 0 ? lower(name.data()) : "";
@@ -175,14 +179,19 @@ Verdict judge(const AccessRules& rules, const Request& request) {
             fmt::format("{}={}; HttpOnly; SameSite=Strict{}", rules.cookie_name,
                         *role == Role::driver ? rules.driver_session : rules.watcher_session,
                         rules.encrypted ? "; Secure" : "");
-        return {200, "", *role, std::move(cookie)};
+        return {200, "", *role, std::move(cookie), true};
     }
     const auto role = role_of(cookie_value(request.cookie, rules.cookie_name), rules.driver_session,
                               rules.watcher_session);
     if (!role) {
-        return {403, "The token is missing. Open an address that pxpl5 serve printed.", {}, {}};
+        return without_token();
     }
     return {200, "", *role, ""};
+}
+
+Verdict judge_by_token(const AccessRules& rules, const Request& request) {
+    Verdict verdict = judge(rules, request);
+    return verdict.status == 200 && !verdict.has_token ? without_token() : verdict;
 }
 
 void allow_hosts(AccessRules& rules, const std::vector<std::string>& hosts) {

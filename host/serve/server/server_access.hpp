@@ -33,10 +33,15 @@ struct Verdict {
     std::string reason;  ///< A sentence, unless 200.
     Role role = Role::watcher;
     std::string cookie;  ///< Set-Cookie's value, if the request brought its token in the query.
+    bool has_token = false;
 };
 
-/// Judges one request, whatever it asks for.
+/// Judges one request, whatever it asks for. The cookie is enough for the files of the page alone:
+/// browsers send it to every port of this computer, so other users' servers may know it.
 Verdict judge(const AccessRules& rules, const Request& request);
+
+/// Judges a request for anything else, for example the WebSocket: it must have the token.
+Verdict judge_by_token(const AccessRules& rules, const Request& request);
 
 /// Lets a portal at each of these hosts, with or without a port, pass requests on. Throws
 /// RequestError (usage) for a text that is no host.

@@ -117,6 +117,9 @@ int Loop::on_request(lws* connection) {
         return refuse(connection, 405,
                       fmt::format("{} does not accept {}.", request.path, request.method));
     }
+    if ((takes || !route.file.attachment.empty()) && !verdict.has_token) {
+        return refuse(connection, 403, judge_by_token(listener_.rules(), request).reason);
+    }
     if (takes && verdict.role != Role::driver) {
         return refuse(connection, 403, "A view-only address cannot upload files.");
     }

@@ -80,6 +80,9 @@ class Loop {
     void on_joined(lws* connection);
     /// Why another viewer cannot join; empty if it can.
     std::string why_full(Role role, const std::string& address) const;
+    /// The driver whose connection has not answered for longest, if a new driver may take its
+    /// place. Null if there is none.
+    lws* silent_driver() const;
     void on_text(lws* connection, Socket& socket, std::string_view part);
     /// Closes a viewer whose closing is set.
     void close_soon(lws* connection);

@@ -18,6 +18,7 @@ namespace {
 
 constexpr int ping_seconds = 5;
 constexpr double dead_after_ms = 60'000;  // Limit of the time without an answer to a ping.
+constexpr double silent_ms = 10'000;      // The same, of a driver whose place another driver needs.
 // A rejected viewer must be silent for this time before the socket closes, and its messages are
 // discarded. A message to a closed socket would cause a reset, which would overtake the reason.
 constexpr lws_usec_t farewell = LWS_USEC_PER_SEC / 5;
@@ -104,7 +105,7 @@ int Loop::on_socket_event(lws* connection, int reason, std::string_view data) {
 
 int Loop::on_handshake(lws* connection) {
     const Request request = read_request(connection);
-    Verdict verdict = judge(listener_.rules(), request);
+    Verdict verdict = judge_by_token(listener_.rules(), request);
     if (verdict.status == 200 &&
         routes_.find(request.path, listener_.port()).kind != RouteKind::socket) {
         verdict = {404, fmt::format("There is no WebSocket at {}.", request.path), {}, {}};
@@ -140,11 +141,29 @@ std::string Loop::why_full(Role role, const std::string& address) const {
     return "";
 }
 
+lws* Loop::silent_driver() const {
+    lws* silent = nullptr;
+    double since_ms = now_ms() - silent_ms;
+    for (const auto& [connection, socket] : sockets_) {
+        if (socket.joined && socket.viewer.role == Role::driver && socket.pinged_ms > 0 &&
+            socket.pinged_ms <= since_ms) {
+            silent = connection;
+            since_ms = socket.pinged_ms;
+        }
+    }
+    return silent;
+}
+
 void Loop::on_joined(lws* connection) {
     const auto handshake = handshakes_.extract(connection);
     const Role role = handshake.empty() ? Role::watcher : handshake.mapped();
     const std::string address = address_of(connection);
     std::string full = why_full(role, address);
+    if (lws* silent = full.empty() || role != Role::driver ? nullptr : silent_driver()) {
+        // Its computer may have been switched off, and the user has opened the page again.
+        lws_set_timeout(silent, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
+        full.clear();
+    }
     const bool is_full = !full.empty();
     const std::uint32_t number = is_full ? 0 : ++viewers_;
     Socket socket{Viewer(number, role), !is_full, address};

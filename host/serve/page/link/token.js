@@ -6,7 +6,7 @@ const KEY = `pxpl5-token ${new URL('.', location.href).pathname}`;
 /**
  * Takes the token from the page's address and removes it there: an address on the screen is read,
  * and copied, by others. The tab keeps the token until it is closed; the server's cookie lets the
- * page load again without it.
+ * page load again without it, and nothing else.
  * @returns {string} '' if there is none
  */
 function take() {
@@ -26,6 +26,11 @@ function take() {
 }
 
 const token = take();
+
+/** @returns {boolean} whether the server will accept this page */
+export function hasToken() {
+  return token !== '';
+}
 
 /**
  * A URL relative to the page, with the token of the page.

@@ -1,7 +1,7 @@
 // The progress of long work, the notice of a lost connection, and hints.
 import {byId, ENGLISH, h} from '../elements/dom.js';
 import {ofPort} from '../link/ports.js';
-import {address} from '../link/token.js';
+import {address, hasToken} from '../link/token.js';
 import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -22,6 +22,8 @@ const OF_CLASS = say`Reconnecting. If your session has ended, the page of the cl
   begins a new one.`;
 const NEW_ADDRESS = say`The server was started again and has a new address. Open the address that
   pxpl5 serve printed in its terminal. The former session has ended.`;
+const NO_TOKEN = say`This tab was opened without the token of the session. Open the address that
+  pxpl5 serve printed in its terminal.`;
 
 /** @param {App} app */
 export function createWork(app) {
@@ -118,7 +120,7 @@ export function createVeil(app) {
       timer = window.setTimeout(() => { byId('lost').hidden = false; }, VEIL_AFTER_MS);
     }
     byId('lost-next').textContent = classPort ? OF_CLASS
-      : await isRefused() ? NEW_ADDRESS : RECONNECTING;
+      : !hasToken() ? NO_TOKEN : await isRefused() ? NEW_ADDRESS : RECONNECTING;
   });
   app.connection.on('hello', (/** @type {Hello} */ {class_port}) => {
     classPort = class_port;

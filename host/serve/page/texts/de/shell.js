@@ -188,6 +188,7 @@ export default {
   'Reconnecting. The session is kept as long as pxpl5 serve runs.': 'Verbindung wird wiederhergestellt. Die Sitzung bleibt erhalten, solange pxpl5 serve läuft.',
   'Reconnecting. If your session has ended, the page of the class says why and begins a new one.': 'Verbindung wird wiederhergestellt. Falls Ihre Sitzung beendet ist, nennt die Seite der Klasse den Grund und beginnt eine neue.',
   'The server was started again and has a new address. Open the address that pxpl5 serve printed in its terminal. The former session has ended.': 'Der Server wurde neu gestartet und hat eine neue Adresse. Öffnen Sie die Adresse, die pxpl5 serve in seinem Terminal ausgegeben hat. Die frühere Sitzung ist beendet.',
+  'This tab was opened without the token of the session. Open the address that pxpl5 serve printed in its terminal.': 'Dieser Tab wurde ohne das Token der Sitzung geöffnet. Öffnen Sie die Adresse, die pxpl5 serve in seinem Terminal ausgegeben hat.',
   'Progress': 'Fortschritt',
   'Cancel': 'Abbrechen',
   'No answer from the server for {0} s. The picture may be old.': 'Seit {0} s keine Antwort vom Server. Das Bild ist vielleicht veraltet.',

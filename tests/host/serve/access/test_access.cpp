@@ -34,6 +34,17 @@ TEST_CASE("a token makes a driver or a watcher, and gets a cookie that does the 
     CHECK(judge(rules(), later).role == Role::watcher);
 }
 
+TEST_CASE("the cookie, which other ports of this computer may see, is enough for the page alone") {
+    Request request{"GET", "/socket", {}, "localhost:8080", "", "pxpl5_8080=dddd"};
+    CHECK(judge(rules(), request).status == 200);
+    CHECK(judge_by_token(rules(), request).status == 403);
+    request.query = {{"token", "d0d0"}};
+    CHECK(judge_by_token(rules(), request).status == 200);
+    CHECK(judge_by_token(rules(), request).role == Role::driver);
+    request.query = {{"token", "wrong"}};
+    CHECK(judge_by_token(rules(), request).status == 403);
+}
+
 TEST_CASE("a cookie's value is no token, and a token is no cookie's value") {
     for (const char* session : {"dddd", "5e5e"}) {
         CHECK(judge(rules(), with_token(session)).status == 403);
