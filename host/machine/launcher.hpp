@@ -226,8 +226,8 @@ class Launcher {
 
     /// Waits for messages, deaths, signals and letters, at most `most_ms` (-1: no limit).
     void wait_for_event(int most_ms);
-    /// Sends `signal` to a process and waits for its end, at most 10 s.
-    void end_process(const std::string& name, int signal);
+    /// Sends `signal` to a process and waits for its end, at most `most_ms`.
+    void end_process(const std::string& name, int signal, int most_ms);
     /// Takes the started `nodes` through the barriers: Hello, topology, Connected, Go.
     Roster bring_up(Roster nodes);
     using Missing = std::function<std::vector<std::string>()>;

@@ -80,7 +80,8 @@ void Launcher::cancel_on_interrupt(bool allowed) {
 void Launcher::cancel() {
     interrupt_.cancels = false;
     if (io_.used && io_.death_code == ExitCode::failed) {
-        end_process(io_.used->name(), SIGTERM);  // It removes what it has written so far.
+        // It removes what it has written so far, unless something has stopped it.
+        end_process(io_.used->name(), SIGTERM, terminate_ms);
     }
     kill_io();
     throw Canceled();
@@ -132,7 +133,7 @@ void Launcher::kill(bus::NodeId id) {
     if (over_) {
         throw *over_;
     }
-    end_process(name_of(id), SIGKILL);
+    end_process(name_of(id), SIGKILL, killed_ms);
 }
 
 void Launcher::check_health() {
@@ -229,13 +230,13 @@ void Launcher::check_answer() {
     }
 }
 
-void Launcher::end_process(const std::string& name, int signal) {
+void Launcher::end_process(const std::string& name, int signal, int most_ms) {
     if (!processes_.has_others() || !processes_.others().has(name)) {
-        processes_.own().end(name, signal);
+        processes_.own().end(name, signal, most_ms);
         return;
     }
     processes_.kill(name, signal);
-    const std::int64_t end_ms = now_ms() + killed_ms;
+    const std::int64_t end_ms = now_ms() + most_ms;
     while (processes_.others().has(name) && now_ms() < end_ms) {
         wait_for_event(static_cast<int>(end_ms - now_ms()));
     }

@@ -26,7 +26,7 @@ namespace {
 
 constexpr auto unavailable = static_cast<int>(ExitCode::unavailable);
 constexpr std::size_t max_interrupts = 8;
-constexpr std::uint64_t end_ms = 10'000;  // From SIGKILL to the end of a process.
+constexpr int end_ms = 10'000;  // From SIGKILL to the end of a process.
 
 std::string signal_name(int signal) {
     const char* name = sigabbrev_np(signal);
@@ -124,8 +124,8 @@ struct Supervisor::Parts {
     /// timeout_ms  -1: no limit.
     void run(int timeout_ms);
     void on_exit(Child& child, int exit_code, int signal);
-    /// Waits until killed processes have ended, at most end_ms: the kernel may keep a process.
-    void run_until_ended(const std::function<bool()>& have_ended);
+    /// Waits until processes have ended, at most `most_ms`: the kernel may keep even a killed one.
+    void run_until_ended(int most_ms, const std::function<bool()>& have_ended);
     void close_loop();
 };
 
@@ -210,12 +210,12 @@ void Supervisor::Parts::close_loop() {
     close(input_set);
 }
 
-void Supervisor::Parts::run_until_ended(const std::function<bool()>& have_ended) {
+void Supervisor::Parts::run_until_ended(int most_ms, const std::function<bool()>& have_ended) {
     timer_fired = false;
     uv_update_time(&loop);
     uv_timer_start(
         &timer, [](uv_timer_t* handle) { static_cast<Parts*>(handle->data)->timer_fired = true; },
-        end_ms, 0);
+        static_cast<std::uint64_t>(most_ms), 0);
     while (!timer_fired && !have_ended()) {
         uv_run(&loop, UV_RUN_ONCE);
     }
@@ -255,7 +255,7 @@ Supervisor::Supervisor() : parts_(std::make_unique<Parts>()) {
 
 Supervisor::~Supervisor() {
     kill_all(SIGKILL);
-    parts_->run_until_ended([this] { return running().empty(); });
+    parts_->run_until_ended(end_ms, [this] { return running().empty(); });
     parts_->close_loop();
 }
 
@@ -381,9 +381,9 @@ void Supervisor::kill(const std::string& name, int signal) {
     }
 }
 
-void Supervisor::end(const std::string& name, int signal) {
+void Supervisor::end(const std::string& name, int signal, int most_ms) {
     kill(name, signal);
-    parts_->run_until_ended([&] {
+    parts_->run_until_ended(most_ms, [&] {
         const std::vector<std::string> left = running();
         return std::find(left.begin(), left.end(), name) == left.end();
     });

@@ -76,9 +76,9 @@ class Supervisor {
     /// Sends `signal` to the process groups of all running processes, or of `name` alone.
     void kill_all(int signal);
     void kill(const std::string& name, int signal);
-    /// Sends `signal` to `name` and waits for its end, at most 10 s. take_deaths() reports the
+    /// Sends `signal` to `name` and waits for its end, at most `most_ms`. take_deaths() reports the
     /// death.
-    void end(const std::string& name, int signal);
+    void end(const std::string& name, int signal, int most_ms = 10'000);
 
   private:
     struct Parts;

@@ -1,4 +1,4 @@
-// Until when the end of a machine waits.
+// How long the end of a machine waits.
 #include <doctest/doctest.h>
 
 #include "host/machine/computers/end_deadline.hpp"

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "host/machine/port.hpp"
 #include "host/machine/supervisor.hpp"
@@ -52,6 +53,21 @@ bool exists(int pid) {
 }
 
 }  // namespace
+
+TEST_CASE("the end of a process that does not obey is awaited no longer than said") {
+    Bench bench;
+    const int stubborn = bench.shell("gp-0", "trap '' TERM; echo ready; read wait; sleep 600");
+    while (bench.log("gp-0").find("\nready\n") == std::string::npos) {
+        bench.supervisor.wait(-1, 10);
+    }
+    bench.supervisor.end("gp-0", SIGTERM, 20);
+    CHECK(bench.supervisor.take_deaths().empty());
+    CHECK(exists(stubborn));
+    bench.supervisor.end("gp-0", SIGKILL);
+    const std::vector<Death> deaths = bench.supervisor.take_deaths();
+    REQUIRE(deaths.size() == 1);
+    CHECK(deaths[0].signal == SIGKILL);
+}
 
 TEST_CASE("a process that ends is reported by name and exit code") {
     Bench bench;

@@ -143,6 +143,9 @@ TEST_CASE("a value out of range is refused with the value and the range") {
     CHECK_MESSAGE(has(code, "gp.env sets 'LD_PRELOAD', but may set only names that begin with"),
                   code);
     CHECK(!has(code, "/x.so"));
+    // Some libraries of OpenMP load what a variable names.
+    CHECK(has(refusal_of("{ roles: { gp: { env: [\"OMP_TOOL_LIBRARIES=/x.so\"] } } }"),
+              "gp.env sets 'OMP_TOOL_LIBRARIES'"));
     CHECK(has(refusal_of("{ roles: { gp: { cpu: [-1] } } }"), "gp.cpu names core -1"));
 }
 
@@ -151,7 +154,7 @@ TEST_CASE("an override sets one value") {
         parse_topology(small, "small.json",
                        {"gp.count=4", "gp.memory_mib=16", "gp.slabs_per_set=48",
                         "ring.transport=ipc", "seed=18446744073709551615", "renderer.cpu=0,1",
-                        "frame_buffer.env=OMP_A=b=c", "record=full", "vector_target=avx2"});
+                        "frame_buffer.env=PXPL5_A=b=c", "record=full", "vector_target=avx2"});
     CHECK(plan.vector_target == VectorTarget::avx2);
     CHECK(plan.record == Recording::full);
     CHECK(plan.gp.count == 4);
@@ -160,7 +163,7 @@ TEST_CASE("an override sets one value") {
     CHECK(plan.ring.transport == Transport::ipc);
     CHECK(plan.seed == 18446744073709551615U);
     CHECK(plan.renderer.cpu == std::vector<int>{0, 1});
-    CHECK(plan.frame_buffer.env == std::vector<std::string>{"OMP_A=b=c"});
+    CHECK(plan.frame_buffer.env == std::vector<std::string>{"PXPL5_A=b=c"});
     CHECK(parse_topology(small, "small.json", {"gp.count=0"}).gp.count == cores());
 }
 
