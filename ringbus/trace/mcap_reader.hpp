@@ -16,7 +16,7 @@ namespace pxpl5::bus::trace::mcap {
 struct Visitor {
     std::function<void(const std::string& name, const Metadata&)> metadata;
     /// chunk    Offset of the message's chunk record in the file.
-    /// message  Of a long message only the begin, see for_each_message().
+    /// message  Only the beginning of a long message, see for_each_message().
     std::function<void(std::uint64_t chunk, const MessageRecord& message)> message;
     /// Called behind the messages of each chunk that is whole.
     std::function<void()> chunk_end;

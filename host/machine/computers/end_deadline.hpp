@@ -1,4 +1,4 @@
-// Until when the end of a machine waits for its processes.
+// How long the end of a machine waits for its processes.
 #pragma once
 
 #include <algorithm>
