@@ -161,6 +161,7 @@ void Loop::on_joined(lws* connection) {
     std::string full = why_full(role, address);
     if (lws* silent = full.empty() || role != Role::driver ? nullptr : silent_driver()) {
         // Its computer may have been switched off, and the user has opened the page again.
+        sockets_.at(silent).pinged_ms = 0;  // It gives its place once.
         lws_set_timeout(silent, PENDING_TIMEOUT_CLOSE_SEND, LWS_TO_KILL_ASYNC);
         full.clear();
     }
