@@ -59,6 +59,11 @@ for (const kind of ['rnode', 'node']) {
     await page.reload();
     await settled(page);
     assert.ok((await state(page)).volume.source.endsWith(`${kind}.nrrd`));
+    // Another tab gets the page, and what is missing.
+    const second = await context.newPage();
+    second.on('request', request => asked.push(request.url()));
+    await second.goto(prefix);
+    await second.getByTestId('lost-next').getByText('without the token').waitFor();
     const cookies = await context.cookies();
     const folder = new URL(prefix).pathname.slice(0, -1);
     assert.ok(cookies.some(each => each.path === folder), JSON.stringify(cookies));
