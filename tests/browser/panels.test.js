@@ -248,12 +248,12 @@ test('scrubbing: the start is not the end, and the end is the region itself', as
   await redrawn('region', () => byId('scrub-first').click());
   await redrawn('region', () => byId('scrub-last').click());
   await byId('disassembly').locator('li').first().waitFor();
-
   const [x, y] = (await state(page)).size.map(each => Math.floor(each / 2));
   const { json, bytes } = await ask(raw, { ask: 'scrub', x, y, at: -1 });
   assert.equal(json.at, json.count);
   const { result } = await say(raw, 'snapshot download:whole.png');
-  const whole = await page.evaluate(regionOf, [result.download, json.x0, json.y0, REGION]);
+  const path = result.download + new URL(server.url).search;
+  const whole = await page.evaluate(regionOf, [path, json.x0, json.y0, REGION]);
   for (let row = 0; row < whole.height; row++) {
     for (let i = 0; i < whole.width; i++) {
       const [here, there] = [4 * (row * whole.width + i), 4 * (row * REGION + i)];

@@ -15,10 +15,10 @@ useServer(['phantom:pelvis', 'resample=192x192x96']);
 const painted = page => page.getByTestId('slice-axial').evaluate(canvas => new Promise(done =>
   requestAnimationFrame(() => requestAnimationFrame(() => done(canvas.toDataURL())))));
 
-/** Counts the answers to questions, and the bytes of the newest. */
+/** Counts the answers to questions, and the bytes of the largest: the axial slice has most. */
 function prepare() {
   const Plain = globalThis.WebSocket;
-  globalThis.answers = 0;
+  globalThis.answers = globalThis.answerBytes = 0;
   globalThis.WebSocket = class extends Plain {
     set onmessage(take) {
       this.addEventListener('message', event => {
@@ -26,7 +26,7 @@ function prepare() {
         take(event);
         if (view?.getUint32(0, true) === 0x4e413550) {
           globalThis.answers += 1;
-          globalThis.answerBytes = event.data.byteLength;
+          globalThis.answerBytes = Math.max(globalThis.answerBytes, event.data.byteLength);
         }
       });
     }
@@ -48,7 +48,10 @@ async function jumped(t, rate, ...scripts) {
   await settled(page);
   const pictures = [], bytes = [];
   for (let k = 0; k < STEPS; ++k) {
-    const before = await page.evaluate(() => globalThis.answers);
+    const before = await page.evaluate(() => {
+      globalThis.answerBytes = 0;
+      return globalThis.answers;
+    });
     const was = await painted(page);
     await page.getByTestId('slice-axial').focus();
     await page.keyboard.press('PageUp');
