@@ -40,6 +40,7 @@ std::string range_of(const schema::ImportVolume& import) {
             .within("nz", raw->nz(), 1, max_volume_voxels);
     }
     check.known("read", import.read())
+        .known("gradient", import.gradient())
         .within("volumes", import.volumes(), 1, max_frames)
         .within("reduced_bytes", import.reduced_bytes(), least_reduced_bytes, most_reduced_bytes);
     return check.reason();
@@ -92,6 +93,7 @@ std::string range_of(const schema::VolumeHeader& header, Elements elements) {
         .finite("minimum", header.minimum())
         .finite("maximum", header.maximum())
         .at_most("minimum", header.minimum(), header.maximum())
+        .known("gradient", header.gradient())
         .within("slabs_per_set", header.slabs_per_set(), 1, max_volume_voxels)
         .length("suv_per_value", header.suv_per_value())
         .within("frames", header.frames(), 1, max_frames)

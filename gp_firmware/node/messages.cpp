@@ -72,6 +72,7 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     shape.minimum = header.minimum();
     shape.maximum = header.maximum();
     shape.slabs_per_set = header.slabs_per_set();
+    shape.gradient = header.gradient();
     if (header.slice_places() != nullptr) {
         shape.slice_places.assign(header.slice_places()->begin(), header.slice_places()->end());
     }

@@ -230,9 +230,13 @@ class SlabVertices {
             take_gradients([this](std::size_t s, std::size_t x, std::size_t y) {
                 return slices_[s]->gradients[y * at(shape_.nx) + x];
             });
+        } else if (normals_ && shape_.gradient == GradientKernel::smooth) {
+            take_gradients([this](std::size_t s, std::size_t x, std::size_t y) {
+                return estimates_[s].smooth(x, y);
+            });
         } else if (normals_) {
             take_gradients([this](std::size_t s, std::size_t x, std::size_t y) {
-                return estimates_[s].at(x, y);
+                return estimates_[s].central(x, y);
             });
         }
         pxpl5::gp::make_vertices(target_, batch_, frame_, normals_,

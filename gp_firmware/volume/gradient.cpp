@@ -1,8 +1,10 @@
 #include "gp_firmware/volume/gradient.hpp"
 
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <type_traits>
+#include <vector>
 
 #include "gp_firmware/volume/voxel_gradient.hpp"
 
@@ -56,11 +58,46 @@ void gradients_of_slice(const VolumeShape& shape, const SliceNeighbors& slices, 
     }
 }
 
+/// The columns of a row, in one list for each part.
+struct Columns {
+    std::vector<double> mean, rise_y, rise_z;
+
+    explicit Columns(std::size_t nx) : mean(nx), rise_y(nx), rise_z(nx) {}
+    GradientColumn operator[](std::size_t x) const { return {mean[x], rise_y[x], rise_z[x]}; }
+};
+
+template <class T>
+void smooth_gradients_of_slice(const VolumeShape& shape, const SliceNeighbors& slices,
+                               Gradient* out) {
+    const std::array<const T*, 3> voxels{typed<T>(slices.below), typed<T>(slices.here),
+                                         typed<T>(slices.above)};
+    const auto nx = static_cast<std::size_t>(shape.nx), ny = static_cast<std::size_t>(shape.ny);
+    const Scaled store{gradient_scale(shape) / smooth_weight};
+    Columns columns(nx);
+    for (std::size_t y = 0; y < ny; ++y, out += nx) {
+        const RowsAround<T> rows(voxels, nx, ny, y, slices.at_end);
+        for (std::size_t x = 0; x < nx; ++x) {
+            const GradientColumn column = rows.column(x);
+            columns.mean[x] = column.mean;
+            columns.rise_y[x] = column.rise_y;
+            columns.rise_z[x] = column.rise_z;
+        }
+        out[0] = smooth_gradient(columns[0], columns[0], columns[1], true, store);
+        for (std::size_t x = 1; x + 1 < nx; ++x) {
+            out[x] = smooth_gradient(columns[x - 1], columns[x], columns[x + 1], false, store);
+        }
+        out[nx - 1] =
+            smooth_gradient(columns[nx - 2], columns[nx - 1], columns[nx - 1], true, store);
+    }
+}
+
 }  // namespace
 
 double gradient_scale(const VolumeShape& shape) {
     const double reach = 2 * (shape.maximum - shape.minimum);
-    if (shape.type != Scalar::float32 && reach <= largest_gradient) {
+    const bool is_whole =
+        shape.type != Scalar::float32 && shape.gradient == GradientKernel::central;
+    if (is_whole && reach <= largest_gradient) {
         return 1;
     }
     return reach > 0 && std::isfinite(reach) ? largest_gradient / reach : 1;
@@ -72,6 +109,9 @@ std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNe
     std::vector<Gradient> gradients(shape.slice_voxels());
     const double scale = gradient_scale(shape);
     with_scalar(shape.type, [&]<class T>(T) {
+        if (shape.gradient == GradientKernel::smooth) {
+            return smooth_gradients_of_slice<T>(shape, slices, gradients.data());
+        }
         if constexpr (std::is_integral_v<T>) {
             if (scale == 1) {
                 return gradients_of_slice<T>(shape, slices, Exact{}, gradients.data());

@@ -13,12 +13,14 @@ namespace pxpl5::gp {
 
 /// Central differences at a voxel along x, y, z: (value after - value before) * gradient_scale().
 /// At the volume's border, twice the one-sided difference. 0 where a value is not finite.
+/// GradientKernel::smooth: the mean of the differences at the voxel and its neighbors across the
+/// axis, with the weights 1, 2, 1 along each of both other axes.
 /// Gradients ignore the voxel spacing; NormalFrame applies it.
 using Gradient = std::array<std::int16_t, 3>;
 
-/// Returns the factor from differences of values to stored gradients. It is 1 for integers if twice
-/// the volume's range fits into 16 bits, because a difference at the border can be so large.
-/// Otherwise it scales twice the range to 16 bits.
+/// Returns the factor from differences of values to stored gradients. It is 1 for central
+/// differences of integers if twice the volume's range fits into 16 bits, because a difference at
+/// the border can be so large. Otherwise it scales twice the range to 16 bits.
 double gradient_scale(const VolumeShape& shape);
 
 /// A slice and its neighbors in z; below or above is the slice itself at the volume's ends.
@@ -28,8 +30,8 @@ struct SliceNeighbors {
 };
 
 /// Returns the nx * ny gradients of slice `here`.
-/// Source  Yoo & Chen, section IV, "Gradient estimation". One-sided differences are ours: the
-///         paper does not say.
+/// Source  Central differences: Yoo & Chen, section IV, "Gradient estimation". One-sided ones are
+///         ours: the paper does not say. Smooth ones: the operator of Sobel in three dimensions.
 std::vector<Gradient> estimate_gradients(const VolumeShape& shape, const SliceNeighbors& slices);
 
 }  // namespace pxpl5::gp

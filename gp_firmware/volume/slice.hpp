@@ -20,6 +20,7 @@ struct VolumeShape {
     int slabs_per_set = 1;               ///< Neighboring slabs that belong to one GP.
     std::vector<double> slice_places{};  ///< nz, ascending; empty if slice z lies at z.
     std::vector<int> gap_slabs{};        ///< Across missing slices, ascending.
+    GradientKernel gradient = GradientKernel::central;
 
     int slab_count() const { return nz - 1; }
     double place(int z) const {

@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "gp_firmware/volume/gradient.hpp"
+#include "gp_firmware/volume/smooth_gradient.hpp"
 #include "gp_firmware/volume/typed.hpp"
 
 namespace pxpl5::gp {
@@ -25,18 +26,22 @@ struct ExactDifference {
     }
 };
 
+/// Stores scaled differences. NaN and infinities become 0.
 struct ScaledDifference {
     double scale;
 
     template <class T>
     std::int16_t operator()(T after, T before, int factor) const {
-        const double difference =
-            (static_cast<double>(after) - static_cast<double>(before)) * factor * scale;
-        if (std::isnan(difference)) {
+        return (*this)((static_cast<double>(after) - static_cast<double>(before)) * factor);
+    }
+
+    std::int16_t operator()(double difference) const {
+        const double scaled = difference * scale;
+        if (!std::isfinite(scaled)) {
             return 0;
         }
         const double limit = largest_gradient;
-        return static_cast<std::int16_t>(std::floor(std::clamp(difference, -limit, limit) + 0.5));
+        return static_cast<std::int16_t>(std::floor(std::clamp(scaled, -limit, limit) + 0.5));
     }
 };
 
@@ -54,13 +59,24 @@ class VoxelGradients {
           z_factor_(slices.at_end ? 2 : 1),
           scale_(gradient_scale(shape)) {}
 
-    Gradient at(std::size_t x, std::size_t y) const {
+    /// GradientKernel::central.
+    Gradient central(std::size_t x, std::size_t y) const {
         if constexpr (std::is_integral_v<T>) {
             if (scale_ == 1) {
                 return differences(x, y, ExactDifference{});
             }
         }
         return differences(x, y, ScaledDifference{scale_});
+    }
+
+    /// GradientKernel::smooth.
+    Gradient smooth(std::size_t x, std::size_t y) const {
+        const RowsAround<T> rows({below_, here_, above_}, static_cast<std::size_t>(nx_),
+                                 static_cast<std::size_t>(ny_), y, z_factor_ == 2);
+        const bool first = x == 0, last = x + 1 == static_cast<std::size_t>(nx_);
+        return smooth_gradient(rows.column(first ? x : x - 1), rows.column(x),
+                               rows.column(last ? x : x + 1), first || last,
+                               ScaledDifference{scale_ / smooth_weight});
     }
 
   private:

@@ -67,7 +67,8 @@ Fields volume_identity(const Session& session) {
                                {"crop_size", counts(options.crop_size)},
                                {"resample_size", counts(options.resample_size)},
                                {"resample_mm", options.resample_spacing_mm},
-                               {"smooth_mm", options.smooth_mm}}},
+                               {"smooth_mm", options.smooth_mm},
+                               {"gradient", std::string(enum_name(options.gradient))}}},
             {"findings", findings}};
 }
 

@@ -97,6 +97,11 @@ std::vector<Parameter> load_option_list() {
          "sides to which x, y and z point, for example RAI, for a file that does not state them"},
         {"origin", "X,Y,Z", "place of the first voxel in millimeters, LPS, for such a file"},
         {"raw", "XxYxZ,TYPE[,be][,OFFSET]", "layout of a file without a header"},
+        choice_value("gradient", enum_names<GradientKernel>,
+                     "gradient kernel; central: central differences, as in the paper; smooth: "
+                     "means over 3x3x3 voxels, so that noise shows less. It changes the shading "
+                     "alone, while smooth= changes the voxels",
+                     enum_names<GradientKernel>[0]),
         choice_value("read", enum_names<ReadBy>,
                      "reader of the values of uncompressed files: the host, which sends them, or "
                      "the GPs, which all must see the files; automatic: the GPs above 8 GiB",
@@ -133,6 +138,9 @@ ImportOptions load_options(const Arguments& arguments) {
         options.resample_spacing_mm = spacing("resample_mm", arguments);
     }
     options.smooth_mm = arguments.number("smooth", 0);
+    options.gradient =
+        enum_named<GradientKernel>(arguments.text("gradient", enum_names<GradientKernel>[0].data()))
+            .value();
     options.read = enum_named<ReadBy>(arguments.text("read", enum_names<ReadBy>[0].data())).value();
     return options;
 }

@@ -69,6 +69,7 @@ VolumeWork volume_work(const Session& session) {
     work.ny = static_cast<std::uint32_t>(volume.ny);
     work.nz = static_cast<std::uint32_t>(volume.nz);
     work.voxel_bytes = static_cast<std::uint32_t>(size_bytes(volume.type));
+    work.gradient = volume.gradient;
     const std::size_t slice_bytes = std::size_t{work.nx} * work.ny * work.voxel_bytes;
     const std::span<const std::byte> values(volume.values);
     for (std::size_t z = 0; z < work.nz; ++z) {

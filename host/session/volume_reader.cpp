@@ -83,6 +83,7 @@ void VolumeReader::begin(const schema::VolumeHeader& header) {
     if (!received_.empty()) {
         check_next(volume, received_);
     }
+    volume.gradient = request_.gradient;
     volume.source = is_phantom(request_.path) ? request_.path
                                               : std::filesystem::absolute(request_.path).string();
     wanted_ = std::min(
@@ -119,6 +120,7 @@ std::vector<Volume> VolumeReader::read_several(const std::string& source,
     if (is_phantom(source) && is_plain(options)) {
         std::vector<Volume> volumes;
         volumes.push_back(read_phantom(source, std::max(1, static_cast<int>(options.frame))));
+        volumes.back().gradient = options.gradient;
         return volumes;
     }
     struct Forget {

@@ -53,6 +53,8 @@ struct Volume {
     /// Time of each volume of the series after the first, ascending from 0. Empty if frame_ms is
     /// known, or the series does not state times.
     std::vector<double> times_ms;
+    /// GPs estimate gradients, which become normals, with this kernel.
+    GradientKernel gradient = GradientKernel::central;
     std::vector<Finding> findings;  ///< Facts that the user must know.
     int slabs_per_set = 1;          ///< Adjacent slabs that go to one GP; 1 in the paper.
     std::vector<std::byte> values;  ///< nx * ny * nz, x fastest, little endian, of `type`.

@@ -90,6 +90,7 @@ bus::Payload volume_header(const Volume& volume, std::uint32_t id) {
         header.stored = to_wire(*volume.stored);
     }
     header.reduction = static_cast<std::uint16_t>(volume.reduction);
+    header.gradient = volume.gradient;
     return bus::pack(header);
 }
 

@@ -75,9 +75,10 @@ void march(benchmark::State& state) {
     count_rate(state, "triangles", triangles);
 }
 
-void gradients(benchmark::State& state) {
+void measure_gradients(benchmark::State& state, GradientKernel kernel) {
     const Loaded loaded(state);
-    const gp::VolumeShape& shape = loaded.volume.shape;
+    gp::VolumeShape shape = loaded.volume.shape;
+    shape.gradient = kernel;
     const int z = shape.nz / 2;
     const gp::SliceNeighbors slices{loaded.volume.slice(z - 1), loaded.volume.slice(z),
                                     loaded.volume.slice(z + 1)};
@@ -85,6 +86,14 @@ void gradients(benchmark::State& state) {
         benchmark::DoNotOptimize(gp::estimate_gradients(shape, slices));
     }
     count_rate(state, "voxels", static_cast<double>(shape.slice_voxels()));
+}
+
+void gradients(benchmark::State& state) {
+    measure_gradients(state, GradientKernel::central);
+}
+
+void smooth_gradients(benchmark::State& state) {
+    measure_gradients(state, GradientKernel::smooth);
 }
 
 /// Measures a GP's load: slices, gradients, runs and ranges of rows.
@@ -151,6 +160,7 @@ void gp_frame(benchmark::State& state) {
 
 BENCHMARK(classify)->Apply(name_phantoms);
 BENCHMARK(gradients)->Apply(name_phantoms);
+BENCHMARK(smooth_gradients)->Apply(name_phantoms);
 BENCHMARK(take_slices)->Apply(name_phantoms);
 BENCHMARK(march)->Apply(name_phantoms);
 BENCHMARK(transform)->Apply(name_phantoms);

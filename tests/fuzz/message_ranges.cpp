@@ -51,6 +51,7 @@ void check(const ImportVolume& import) {
     triple("origin_mm", import.origin_mm(), -max_scene_mm, max_scene_mm);
     in("smooth_mm", import.smooth_mm(), 0, max_smooth_mm);
     in("volumes", import.volumes(), 1, max_frames);
+    known("gradient", import.gradient());
     require((import.crop_first() == nullptr) == (import.crop_size() == nullptr), "crop");
     if (const RawLayout* raw = import.raw()) {
         in("nx", raw->nx(), 1, max_volume_voxels);
@@ -64,6 +65,7 @@ void check(const VolumeHeader& header) {
     in("ny", header.ny(), min_volume_voxels, max_volume_voxels);
     in("nz", header.nz(), 1, max_volume_voxels);
     known("type", header.type());
+    known("gradient", header.gradient());
     finite("voxel_to_patient", *header.voxel_to_patient());
     finite("minimum and maximum", header.minimum(), header.maximum());
     require(header.minimum() <= header.maximum(), "minimum and maximum");

@@ -68,6 +68,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(VolumeHeaderT, m.slice_places[2] = 1, "slice_places 2 is 1, after 1");
         CHECK_REFUSED(VolumeHeaderT, m.gap_slabs.push_back(3), "gap_slabs is 3, allowed are 4");
         CHECK_REFUSED(VolumeHeaderT, m.slabs_per_set = 0, "slabs_per_set is 0");
+        CHECK_REFUSED(VolumeHeaderT, m.gradient = static_cast<GradientKernel>(2), "gradient is 2");
         CHECK_REFUSED(VolumeHeaderT, m.suv_per_value = -1, "suv_per_value is -1");
         CHECK_REFUSED(VolumeHeaderT, m.frames = 0, "frames is 0");
         CHECK_REFUSED(VolumeHeaderT, m.frame = 6, "frame is 6, allowed are 1 .. 5");
@@ -88,6 +89,7 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(ImportVolumeT, m.smooth_mm = nan_value, "smooth_mm is nan");
         CHECK_REFUSED(ImportVolumeT, m.raw->ny = 0, "ny is 0");
         CHECK_REFUSED(ImportVolumeT, m.read = static_cast<ReadBy>(3), "read is 3");
+        CHECK_REFUSED(ImportVolumeT, m.gradient = static_cast<GradientKernel>(2), "gradient is 2");
         CHECK_REFUSED(ImportVolumeT, m.reduced_bytes = 0, "reduced_bytes is 0");
         CHECK_REFUSED(ImportVolumeT, m.volumes = 0, "volumes is 0");
         CHECK_REFUSED(ImportVolumeT, m.volumes = 1'000'001, "volumes is 1000001");

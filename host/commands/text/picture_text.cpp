@@ -161,6 +161,7 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
     attributes.emplace_back("spacing_mm", spacing_text(volume));
     attributes.emplace_back("axes", orientation_letters(volume));
     attributes.emplace_back("voxel_digest", fmt::format("{:016x}", volume.digest));
+    attributes.emplace_back("gradient", enum_name(volume.gradient));
     if (!volume.series.empty()) {
         attributes.emplace_back("series", volume.series);
     }
@@ -185,6 +186,9 @@ std::string describe_scene(const Session& session, const Camera& camera,
         const Volume& volume = session.volumes.volume();
         text = fmt::format("volume {} {}x{}x{} spacing {} mm", title_of(volume, range.volumes),
                            volume.nx, volume.ny, volume.nz, spacing_text(volume));
+        if (volume.gradient == GradientKernel::smooth) {
+            text += "; gradient smooth";
+        }
     }
     text += "; view " + view_text(camera);
     if (const std::string stereo = stereo_text(session, camera); !stereo.empty()) {

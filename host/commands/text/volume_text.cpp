@@ -200,6 +200,12 @@ std::vector<Fields> tell_findings(const Volume& volume, Reply& reply) {
     return notes;
 }
 
+/// Returns "; CT; gradient smooth". Leaves out an unknown modality and central gradients.
+std::string kind_text(const Volume& volume) {
+    return (volume.modality.empty() ? "" : "; " + volume.modality) +
+           (volume.gradient == GradientKernel::smooth ? "; gradient smooth" : "");
+}
+
 }  // namespace
 
 std::string ms_text(double ms) {
@@ -231,9 +237,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         volume.name, volume.nx, volume.ny, volume.nz, type, spacing.x, spacing.y, spacing.z,
         extent.x, extent.y, extent.z, volume.minimum, volume.maximum, letters, origin.x, origin.y,
         origin.z);
-    if (!volume.modality.empty()) {
-        reply.text += "; " + volume.modality;
-    }
+    reply.text += kind_text(volume);
     const std::vector<Fields> windows = tell_values(volume, reply.text);
     const std::array<glm::dvec3, 3> cosines = direction_cosines(volume);
     reply.text += "\ndirections";
@@ -268,6 +272,7 @@ Reply describe_volume(const Volume& volume, VolumeDetail detail) {
         {"minimum", volume.minimum},
         {"maximum", volume.maximum},
         {"reduction", std::int64_t{volume.reduction}},
+        {"gradient", std::string(enum_name(volume.gradient))},
         {"quantiles", shares},
         {"histogram", histogram_fields(counted)},
         {"modality", volume.modality},

@@ -177,7 +177,8 @@ void WorkReader::take_volume() {
                             header.ny(),
                             header.nz(),
                             static_cast<std::uint32_t>(size_bytes(shape.type)),
-                            {}};
+                            {},
+                            shape.gradient};
     for (int z = 0; z < shape.nz; ++z) {
         work.runs.push_back(
             timing::runs_of(volume_->slice(z), {work.nx, work.ny, work.voxel_bytes}));

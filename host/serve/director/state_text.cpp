@@ -59,6 +59,7 @@ VolumeState volume_state(const Session& session) {
     state.spacing_mm = numbers(spacing_mm(volume));
     state.modality = volume.modality;
     state.unit = !volume.unit.empty() ? volume.unit : volume.modality == "CT" ? "HU" : "";
+    state.gradient = enum_name(volume.gradient);
     for (const NamedWindow& window : volume.windows) {
         state.windows.push_back({window.name, window.width, window.level});
     }

@@ -24,6 +24,7 @@ struct VolumeWork {
     std::uint32_t voxel_bytes = 0;
     /// nz: runs of equal values in the slice's rows, summed over them; ny for a constant slice.
     std::vector<std::uint64_t> runs;
+    GradientKernel gradient = GradientKernel::central;
     friend bool operator==(const VolumeWork&, const VolumeWork&) = default;
 };
 

@@ -10,6 +10,7 @@
 #include "host/inspect/listing/run_stats.hpp"
 #include "host/inspect/model/recorded_work.hpp"
 #include "host/phantom/phantom.hpp"
+#include "host/session/live_work.hpp"
 #include "host/timing/counts/runs.hpp"
 #include "tests/host/inspect/recorded_sphere.hpp"
 #include "tests/host/inspect/recorded_surface.hpp"
@@ -122,6 +123,18 @@ TEST_CASE("a volume is its shape and its slices' runs") {
                   std::as_bytes(std::span(volume.values)).subspan(z * slice_bytes, slice_bytes),
                   {loaded.nx, loaded.ny, loaded.voxel_bytes}));
     }
+}
+
+TEST_CASE("a recorded volume has the gradient kernel that it was loaded with") {
+    test::RecordedMachine recorded(test::machine_of(2, 1));
+    host::ImportOptions options;
+    options.gradient = GradientKernel::smooth;
+    recorded.session.volumes.load("phantom:sphere", options);
+    const host::timing::VolumeWork live = host::volume_work(recorded.session);
+    CHECK(live.gradient == GradientKernel::smooth);
+    const RunWork work = inspect::recorded_work(recorded.run());
+    REQUIRE(work.steps.size() == 1);
+    CHECK(std::get<VolumeWork>(work.steps[0]) == live);
 }
 
 TEST_CASE("a build is what the surface's report tells, slab by slab") {

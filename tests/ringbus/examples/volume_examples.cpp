@@ -40,6 +40,7 @@ schema::VolumeHeaderT example_header() {
     header.slice_places = {0, 1, 2, 3, 5, 6};
     header.gap_slabs = {3};
     header.slabs_per_set = 2;
+    header.gradient = GradientKernel::smooth;
     header.modality = "CT";
     header.series = "1.2.840.1";
     header.unit = "HU";
@@ -77,6 +78,7 @@ std::vector<Payload> volume_examples() {
     import.crop_size = {10, 11, 12};
     import.resample_size = {20, 22, 24};
     import.smooth_mm = 0.5;
+    import.gradient = GradientKernel::smooth;
     import.frame = 3;
     import.volumes = 2;
     import.orientation = "RAI";

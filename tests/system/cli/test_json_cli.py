@@ -116,7 +116,7 @@ class Json(unittest.TestCase):
         raw.write_bytes(bytes(9 if x == y == z == 2 else 0
                               for z in range(5) for y in range(5) for x in range(5)))
         code, replies = self.run_lines(
-            f"load '{raw}' raw=5x5x5,uint8,0 spacing=1,1,1; surface s iso=4; "
+            f"load '{raw}' raw=5x5x5,uint8,0 spacing=1,1,1 gradient=smooth; surface s iso=4; "
             f"export {self.folder}/a.ply; export {self.folder}/b.stl keep=0.5")
         self.assertEqual((code, [each["ok"] for each in replies]), (0, [True] * 4))
         for reply in replies[2:]:
@@ -124,6 +124,7 @@ class Json(unittest.TestCase):
             jsonschema.validate(beside, {"$ref": "#/$defs/certificate_file",
                                          "$defs": SCHEMA["$defs"]})
             self.assertEqual(beside["volume"]["read_as"]["raw"], "5x5x5,uint8,0")
+            self.assertEqual(beside["volume"]["read_as"]["gradient"], "smooth")
 
     def test_a_simplified_mesh_is_watertight_and_states_its_bound(self):
         path = os.path.join(self.folder, "simple.ply")

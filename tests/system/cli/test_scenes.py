@@ -22,7 +22,7 @@ SEED = int(os.environ.get("PXPL5_SEED", "16"))
 
 ISOVALUES = {"phantom:sphere": (-900, 1500), "phantom:letters": (60, 900),
              "phantom:torus": (29500, 31000)}
-LOADS = ["", "", " smooth=2", " crop=4:59,4:55,4:27"]
+LOADS = ["", "", " smooth=2", " crop=4:59,4:55,4:27", " gradient=smooth"]
 VIEWS = ["anterior", "left", "superior"]
 SIZE = (150, 110)
 

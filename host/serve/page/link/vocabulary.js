@@ -53,6 +53,8 @@ export const LIMITS = Object.freeze({
 
 /** @typedef {'automatic' | 'host' | 'gps'} ReadBy */
 
+/** @typedef {'central' | 'smooth'} GradientKernel */
+
 /** @typedef {'watertight' | 'lorensen1987' | 'asymptotic'} CaseRule */
 
 /** @typedef {'all' | 'outside_gaps' | 'in_gaps'} SlabChoice */
@@ -155,6 +157,7 @@ export function readAnswerHeader(view) {
  * @property {[number, number, number]} spacing_mm
  * @property {string} modality  CT, MR, US, ...; empty if the file does not state it
  * @property {string} unit  of the values: HU, Bq/ml, ..., or empty
+ * @property {string} gradient  a GradientKernel
  * @property {WindowState[]} windows  of gray values, as the file states them
  * @property {number} suv_per_value  standardized uptake value (g/ml) of 1; 0 if not known
  * @property {number} minimum

@@ -57,6 +57,8 @@ function facts(volume) {
     [say`Values`, `${rangeText(volume)} ${volume.unit}`.trimEnd()],
     ...volume.suv_per_value > 0 ? /** @type {[string, string][]} */ ([[say`SUV`,
       say`value × ${significant(volume.suv_per_value, 4)} (by body weight)`]]) : [],
+    ...volume.gradient === 'smooth' ? /** @type {[string, string][]} */ ([[say`Shading`,
+      say`smooth, for noisy scans`]]) : [],
     [say`Axes`, directions(volume).join('\n')],
     [say`Slices`, volume.slice_places.length > 0 ? say`not evenly spaced` : say`evenly spaced`],
     [say`Gaps`, volume.gaps === 0 ? say`none`

@@ -101,6 +101,20 @@ class SlicesByGps(unittest.TestCase):
         self.replies("after", "gps", PICTURES[0], "kill gp-0", *PICTURES)
         self.assertEqual(self.pictures("after"), self.pictures("before"))
 
+    def test_smooth_gradients_are_the_same_whether_host_or_gps_read_and_after_a_death(self):
+        lines = ["surface ball iso=450", "digest", "kill gp-0", "digest"]
+        digests = []
+        for read in ("host gradient=smooth", "gps gradient=smooth", "gps gradient=central"):
+            replies = self.replies("of " + read, read, *lines)
+            self.assertEqual(replies[0]["result"]["gradient"],
+                             "smooth" if "smooth" in read else "central")
+            digests.append([reply["result"]["frame"] for reply in replies
+                            if reply["command"] == "digest"])
+        host, gps, central = digests
+        self.assertEqual(len(set(host)), 1, host)
+        self.assertEqual(gps, host)
+        self.assertNotEqual(central[0], host[0])
+
     def test_the_automatic_window_of_an_unknown_kind_is_named_as_that_of_the_copy(self):
         reply = self.replies("window", "gps", "slice z 277 {}/z.png")[1]
         self.assertIn("the window follows from the values of one voxel in 2", json.dumps(reply))
