@@ -46,6 +46,35 @@ std::string write_picture(Session& session, const Source& source, const std::str
     return path;
 }
 
+SurfaceReport set_surface(Session& session, const Source& source) {
+    const Surface surface = surface_of(source);
+    session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
+    session.scene.size = wall_size;
+    return session.surfaces.set(surface.name, surface.isovalue, CaseRule::watertight,
+                                surface.color);
+}
+
+/// Draws each row once more, from a volume with smooth gradients.
+void write_pictures(Session& session, std::span<const Source> sources,
+                    const MeasureOptions& measuring, std::vector<MeasuredCase>& cases) {
+    ImportOptions options;
+    options.gradient = GradientKernel::smooth;
+    std::string_view loaded;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+        const Source& source = sources[i];
+        if (measuring.progress) {
+            measuring.progress(i, source);
+        }
+        if (source.volume != loaded) {
+            session.volumes.load(source.volume, options);
+            loaded = source.volume;
+        }
+        set_surface(session, source);
+        cases[i].picture = write_picture(session, source, measuring.pictures);
+        session.surfaces.remove(std::string(source.row.surface));
+    }
+}
+
 /// Counts the scene's frame for both eyes of a head-mounted display.
 timing::FrameWork pair_work(Session& session) {
     const timing::Headset headset;
@@ -59,31 +88,25 @@ timing::FrameWork pair_work(Session& session) {
 }
 
 MeasuredCase measured(Session& session, const Source& source, const MeasureOptions& options) {
-    const Surface surface = surface_of(source);
-    const SurfaceReport built =
-        session.surfaces.set(surface.name, surface.isovalue, CaseRule::watertight, surface.color);
-    session.scene.camera = {{source.row.azimuth_deg, source.row.elevation_deg}, 1};
+    const std::string surface(source.row.surface);
+    const SurfaceReport built = set_surface(session, source);
     MeasuredCase measured;
     measured.triangles = built.triangles;
     measured.wall_built_ms = built.elapsed_ms;
-    session.scene.size = wall_size;
     if (options.wall) {
         constexpr double ms_per_s = 1000;
         const OrbitReport orbit =
             session.frames.orbit(rate_frames, [](int, const Picture&, const Camera&) {});
         measured.wall_frames_per_s = orbit.frames * ms_per_s / orbit.elapsed_ms;
     }
-    if (!options.pictures.empty()) {
-        measured.picture = write_picture(session, source, options.pictures);
-    }
     session.scene.size = modelled_size;
-    measured.work = {source.row, volume_work(session), build_work(session, surface.name),
+    measured.work = {source.row, volume_work(session), build_work(session, surface),
                      std::move(frame_work(session).at(0))};
     if (options.pairs) {
         measured.pair = pair_work(session);
     }
     session.scene.size = wall_size;
-    session.surfaces.remove(surface.name);
+    session.surfaces.remove(surface);
     return measured;
 }
 
@@ -102,6 +125,9 @@ std::vector<MeasuredCase> measure(Session& session, std::span<const Source> sour
             loaded = source.volume;
         }
         cases.push_back(measured(session, source, options));
+    }
+    if (!options.pictures.empty()) {
+        write_pictures(session, sources, options, cases);
     }
     return cases;
 }

@@ -22,10 +22,11 @@ struct MeasuredCase {
 };
 
 struct MeasureOptions {
-    bool wall = true;      ///< Whether frames are drawn for their wall time.
-    bool pairs = false;    ///< Whether a frame is drawn for both eyes.
-    std::string pictures;  ///< Folder for pictures, made if absent; none if empty.
-    /// Called before each row.
+    bool wall = true;    ///< Whether frames are drawn for their wall time.
+    bool pairs = false;  ///< Whether a frame is drawn for both eyes.
+    /// Folder for pictures, made if absent; none if empty. They are shaded with smooth gradients.
+    std::string pictures;
+    /// Called before each row, and again before its picture.
     std::function<void(std::size_t done, const Source& source)> progress;
 };
 

@@ -129,7 +129,8 @@ std::string picture_list(const Material& material) {
     std::string text;
     for (const MeasuredCase& measured : material.cases) {
         if (!measured.picture.empty()) {
-            text += (text.empty() ? "pictures:\n  " : "  ") + measured.picture + "\n";
+            text += (text.empty() ? "pictures, shaded with gradient=smooth:\n  " : "  ") +
+                    measured.picture + "\n";
         }
     }
     return text;

@@ -36,7 +36,8 @@ inline CLI::App* declare_report(CLI::App& parent, ReportOptions& options) {
     app->add_option("--csv", options.csv, "Write the table to this file");
     app->add_option("--picture", options.picture,
                     "Write the plot to this file (.svg, .png or .pdf)");
-    app->add_option("--pictures", options.pictures, "Folder for pictures of the surfaces");
+    app->add_option("--pictures", options.pictures,
+                    "Folder for pictures of the surfaces, which are shaded with gradient=smooth");
     return app;
 }
 

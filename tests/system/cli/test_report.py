@@ -87,6 +87,9 @@ class Phantoms(Report):
         self.check_files(rows, self.path("t.csv"), self.path("t.svg"))
         names = sorted(path.name for path in pathlib.Path(self.path("pictures")).iterdir())
         self.assertEqual(names, sorted(name.replace("/", "-") + ".png" for name in PHANTOM_ROWS))
+        for name in names:
+            self.assertIn(b"pxpl5:gradient\0smooth", pathlib.Path(
+                self.path("pictures"), name).read_bytes(), name)
 
     def test_the_model_gives_the_same_again_and_a_smaller_machine_is_slower(self):
         first, again, small = (
