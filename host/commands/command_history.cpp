@@ -75,8 +75,8 @@ void write_script(const std::string& path, const std::string& text) {
 
 std::string read_script(const std::string& path) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(path, error)) {
-        throw RequestError(ExitCode::usage, fmt::format("play: there is no file '{}'", path));
+    if (const std::string reason = why_unreadable(path); !reason.empty()) {
+        throw RequestError(ExitCode::usage, fmt::format("play: '{}' {}", path, reason));
     }
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     if (error || bytes > max_script_bytes) {

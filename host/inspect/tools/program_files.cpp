@@ -13,6 +13,7 @@
 #include <optional>
 
 #include "host/base/error.hpp"
+#include "host/base/part_file.hpp"
 #include "isa/assemble.hpp"
 #include "isa/disassemble.hpp"
 
@@ -87,23 +88,32 @@ std::vector<std::uint32_t> parse_binary(const std::string& path, const std::stri
     return words;
 }
 
+/// Reads one byte more than is allowed, so that a stream without an end is refused.
+std::string read_to_end(const std::string& path, std::istream& from) {
+    std::string content(max_file_bytes + 1, '\0');
+    from.read(content.data(), static_cast<std::streamsize>(content.size()));
+    content.resize(static_cast<std::size_t>(from.gcount()));
+    if (from.bad()) {
+        refuse(path, std::strerror(errno));
+    }
+    if (content.size() > max_file_bytes) {
+        refuse(path, fmt::format("more than {} bytes, which is the most that a program may have",
+                                 max_file_bytes));
+    }
+    return content;
+}
+
 }  // namespace
 
 std::string read_file(const std::string& path) {
-    std::string content;
     if (path == "-") {
-        content.assign(std::istreambuf_iterator<char>(std::cin), {});
-    } else {
-        std::ifstream file(path, std::ios::binary);
-        content.assign(std::istreambuf_iterator<char>(file), {});
-        if (!file.is_open() || file.bad()) {
-            refuse(path, std::strerror(errno));
-        }
+        return read_to_end(path, std::cin);
     }
-    if (content.size() > max_file_bytes) {
-        refuse(path, fmt::format("{} bytes; at most {} are read", content.size(), max_file_bytes));
+    if (const std::string reason = why_unreadable(path); !reason.empty()) {
+        refuse(path, reason + "; give a file, or - for the standard input");
     }
-    return content;
+    std::ifstream file(path, std::ios::binary);
+    return read_to_end(path, file);
 }
 
 isa::Parameters parse_parameters(const std::vector<std::string>& texts) {

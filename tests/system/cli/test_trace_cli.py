@@ -200,6 +200,21 @@ class TraceCli(unittest.TestCase):
             self.assertEqual(done.returncode, 65, (arguments, done))
             self.assertTrue(done.stderr.startswith("error: "), done.stderr)
 
+    def test_programs_are_read_from_files_alone_and_to_a_limit(self):
+        fifo = self.path("fifo")
+        os.mkfifo(fifo)
+        for tool in ("asm", "exec", "dis"):
+            for path, reason in ((fifo, "is a FIFO, not a file"), ("/dev/zero", "not a file"),
+                                 ("/proc/self/mem", "is a file of the kernel"),
+                                 (self.path("absent"), "does not exist")):
+                done = self.pxpl5(tool, path)
+                self.assertEqual(done.returncode, 65, (tool, path, done))
+                self.assertIn(f"{path}: {reason}" if path != "/dev/zero" else reason, done.stderr)
+            done = subprocess.run([BIN / "pxpl5", tool, "-"], stdin=open("/dev/zero", "rb"),
+                                  capture_output=True, text=True, timeout=60, check=False)
+            self.assertEqual(done.returncode, 65, (tool, done))
+            self.assertIn("is the most that a program may have", done.stderr)
+
 
 if __name__ == "__main__":
     unittest.main(verbosity=2)
