@@ -227,8 +227,8 @@ test('every option of `load` that an error may advise has a field', async () => 
   await byId('open-go').click();
   const { volume } = await stateWhen(page, now => now.volume?.size.every(each => each === 8));
   assert.deepEqual(volume.spacing_mm, [1, 1, 2]);
-  assert.match(await byId('volume-facts').innerText(), /Shading\s+smooth/);
-  assert.match((await say(raw, 'history')).text, /bare\.raw .*gradient=smooth read=gps/);
+  assert.match(await byId('volume-facts').innerText(), /Shading\s*smooth/);
+  assert.match((await say(raw, 'history')).text, /bare\.raw gradient=smooth .*read=gps/);
 });
 
 test('no text names a control that is not there', async () => {
