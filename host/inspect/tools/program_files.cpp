@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 #include <iterator>
@@ -88,11 +89,13 @@ std::vector<std::uint32_t> parse_binary(const std::string& path, const std::stri
     return words;
 }
 
-/// Reads one byte more than is allowed, so that a stream without an end is refused.
+/// Reads little more than is allowed, so that a stream without an end is refused.
 std::string read_to_end(const std::string& path, std::istream& from) {
-    std::string content(max_file_bytes + 1, '\0');
-    from.read(content.data(), static_cast<std::streamsize>(content.size()));
-    content.resize(static_cast<std::size_t>(from.gcount()));
+    std::string content, piece(std::size_t{1} << 16, '\0');
+    while (from && content.size() <= max_file_bytes) {
+        from.read(piece.data(), static_cast<std::streamsize>(piece.size()));
+        content.append(piece, 0, static_cast<std::size_t>(from.gcount()));
+    }
     if (from.bad()) {
         refuse(path, std::strerror(errno));
     }
@@ -111,6 +114,11 @@ std::string read_file(const std::string& path) {
     }
     if (const std::string reason = why_unreadable(path); !reason.empty()) {
         refuse(path, reason + "; give a file, or - for the standard input");
+    }
+    std::error_code failure;
+    const std::uintmax_t bytes = std::filesystem::file_size(path, failure);
+    if (!failure && bytes > max_file_bytes) {
+        refuse(path, fmt::format("{} bytes; at most {} are read", bytes, max_file_bytes));
     }
     std::ifstream file(path, std::ios::binary);
     return read_to_end(path, file);

@@ -214,6 +214,12 @@ class TraceCli(unittest.TestCase):
                                   capture_output=True, text=True, timeout=60, check=False)
             self.assertEqual(done.returncode, 65, (tool, done))
             self.assertIn("is the most that a program may have", done.stderr)
+        large = self.path("large")
+        with open(large, "wb") as file:
+            file.truncate(1 << 30)
+        done = self.pxpl5("asm", large)
+        self.assertEqual(done.returncode, 65, done)
+        self.assertRegex(done.stderr, r"large: 1073741824 bytes; at most \d+ are read")
 
 
 if __name__ == "__main__":
