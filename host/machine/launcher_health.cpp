@@ -108,8 +108,9 @@ void Launcher::take_refusal(const bus::Refusal& refusal) {
     if (refusal.has_joined && !is_node) {
         io_.offense = refusal;
     } else if (!over_) {
-        fmt::print(stderr, "warning: the ring dropped {}; more of this kind are only counted\n",
-                   printable(refusal.text));
+        print_notice(
+            "warning",
+            fmt::format("the ring dropped {}; more of this kind are only counted", refusal.text));
     }
 }
 
@@ -117,8 +118,8 @@ void Launcher::report_refusals() const {
     const std::uint64_t count = link_.traffic().refused_messages +
                                 (processes_.has_others() ? processes_.others().refused() : 0);
     if (count > 0) {
-        fmt::print(stderr, "warning: the host dropped {} message{} without a lawful sender\n",
-                   count, count == 1 ? "" : "s");
+        print_notice("warning", fmt::format("the host dropped {} message{} without a lawful sender",
+                                            count, count == 1 ? "" : "s"));
     }
 }
 
@@ -183,7 +184,7 @@ void Launcher::check_health() {
 void Launcher::check_heartbeat() {
     for (const Heartbeat::Finding& found : heartbeat_.look(now_ms())) {
         if (!found.is_dead) {
-            fmt::print(stderr, "warning: {}\n", printable(found.text));
+            print_notice("warning", found.text);
             if (watcher_.tell_suspect) {
                 watcher_.tell_suspect(found.text);
             }
@@ -316,7 +317,7 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
             const std::string text =
                 fmt::format("{} cannot be ended: the kernel keeps it {} s after SIGKILL",
                             fmt::join(left, ", "), killed_ms / 1000);
-            fmt::print(stderr, "warning: {}\n", printable(text));
+            print_notice("warning", text);
             cause = cause ? cause : MachineError(ExitCode::failed, text);
             break;
         }

@@ -35,7 +35,7 @@ class Progress {
     Progress() = default;
     ~Progress() {
         if (is_shown_) {
-            fmt::print(stderr, "\r\x1b[K");
+            fmt::print(stderr, "{}", line_clearer());
         }
     }
     Progress(const Progress&) = delete;
@@ -43,7 +43,7 @@ class Progress {
 
     void tell(const std::string& text) const {
         if (is_shown_) {
-            fmt::print(stderr, "\r\x1b[K{}", printable(text));
+            fmt::print(stderr, "{}{}", line_clearer(), printable(text));
         }
     }
 

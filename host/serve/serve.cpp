@@ -94,14 +94,14 @@ void tell_end_notice(SessionNote& note, const EndNotice& notice) {
         facts.saved = notice.saved;
     });
     if (notice.why.empty()) {
-        fmt::print(stderr, "note: the session goes on, because it is used again\n");
+        print_notice("note", "the session goes on, because it is used again");
     } else if (!notice.problem.empty()) {
-        fmt::print(stderr, "warning: {}\n", printable(notice.problem));
+        print_notice("warning", notice.problem);
     } else if (!notice.saved.empty()) {
-        fmt::print(stderr, "note: the session is saved in {}. Open it again with: {}\n",
-                   printable(notice.saved), printable(notice.open));
+        print_notice("note", fmt::format("the session is saved in {}. Open it again with: {}",
+                                         notice.saved, notice.open));
     } else {
-        fmt::print(stderr, "warning: {}\n", printable(sentence_of(notice)));
+        print_notice("warning", sentence_of(notice));
     }
 }
 
@@ -162,6 +162,9 @@ DirectorParts parts_of(const ServeOptions& options, const std::shared_ptr<Machin
             ms_per_s * static_cast<double>(parse_duration("--idle-limit", options.idle_limit));
     }
     parts.tell_end_notice = [&note](const EndNotice& notice) { tell_end_notice(note, notice); };
+    parts.tell_restart = [](const std::string& text, bool is_over) {
+        print_notice(is_over ? "note" : "warning", text);
+    };
     parts.tell_viewers = [&note](std::size_t count) {
         change(note,
                [count](SessionFacts& facts) { facts.viewers = static_cast<std::int64_t>(count); });
@@ -234,7 +237,7 @@ int serve(const ServeOptions& options) {
                                  [&server](EndsSoon soon) { server.warn(std::move(soon)); });
         const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
             memory_error = why;
-            fmt::print(stderr, "error: {}\n", printable(why));
+            print_notice("error", why);
             server.warn(EndsSoon{std::time(nullptr), why});
             kill(getpid(), SIGTERM);
         });
@@ -263,8 +266,9 @@ int serve(const ServeOptions& options) {
             print_addresses(note.facts(), options.topology);
         }
         director.run();
-        fmt::print(stderr, "note: {} {} without use\n", idle_end_words,
-                   duration_text(parse_duration("--idle-limit", options.idle_limit)));
+        print_notice(
+            "note", fmt::format("{} {} without use", idle_end_words,
+                                duration_text(parse_duration("--idle-limit", options.idle_limit))));
     } catch (const MachineError& error) {
         if (!error.is_interruption) {
             throw;

@@ -47,9 +47,17 @@ std::string printable(std::string_view text) {
     return clean;
 }
 
-int print_error(std::string_view text, int code) {
-    const std::string line = "error: " + printable(text) + "\n";
+std::string_view line_clearer() {
+    return isatty(STDERR_FILENO) != 0 ? "\r\x1b[K" : "";
+}
+
+void print_notice(std::string_view kind, std::string_view text) {
+    const std::string line = fmt::format("{}{}: {}\n", line_clearer(), kind, printable(text));
     std::fwrite(line.data(), 1, line.size(), stderr);
+}
+
+int print_error(std::string_view text, int code) {
+    print_notice("error", text);
     return code;
 }
 

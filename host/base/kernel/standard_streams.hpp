@@ -14,7 +14,14 @@ void open_missing_streams();
 /// files may hold sequences that change a terminal.
 std::string printable(std::string_view text);
 
-/// Prints "error: TEXT" on standard error, printable. Returns `code`.
+/// Characters that clear the terminal's current line, for example a progress bar or an echoed ^C.
+/// Empty if standard error is no terminal.
+std::string_view line_clearer();
+
+/// Prints "KIND: TEXT" on a line of its own on standard error, printable. kind  For example "note".
+void print_notice(std::string_view kind, std::string_view text);
+
+/// Prints "error: TEXT" as print_notice() does. Returns `code`.
 int print_error(std::string_view text, int code);
 
 /// Flushes standard output. Returns `code`, but 1 after an error that says so if `code` is 0 and

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <string>
 
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/base/stopwatch.hpp"
 
 namespace pxpl5::host {
@@ -34,7 +35,7 @@ ProgressBar::~ProgressBar() {
         session_.tell_pictures = nullptr;
     }
     if (drawn_) {
-        fmt::print(stderr, "\r\x1b[K");
+        fmt::print(stderr, "{}", line_clearer());
     }
 }
 
@@ -45,7 +46,7 @@ void ProgressBar::show(const char* phase, int done, int total) {
     const int filled = total == 0 ? 0
                                   : static_cast<int>(std::min<std::int64_t>(
                                         bar_width, std::int64_t{bar_width} * done / total));
-    fmt::print(stderr, "\r\x1b[K{:<12} [{:<{}}] {} of {}  (Ctrl-C cancels)", phase,
+    fmt::print(stderr, "{}{:<12} [{:<{}}] {} of {}  (Ctrl-C cancels)", line_clearer(), phase,
                std::string(static_cast<std::size_t>(filled), '='), bar_width, done, total);
     drawn_ = true;
 }

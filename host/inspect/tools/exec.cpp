@@ -197,7 +197,7 @@ void show(const ExecOptions& options, const Ran& ran, TextOutput& output) {
 void save_picture(const ExecOptions& options, const Ran& ran, TextOutput& output) {
     const FieldPicture picture = field_picture(ran.pixels(), parse_field(options.picture));
     if (!picture.warning.empty()) {
-        fmt::print(stderr, "warning: {}\n", printable(picture.warning));
+        print_notice("warning", picture.warning);
     }
     write_png(options.output, region_px, region_px, picture.rgba);
     output.line(fmt::format("wrote {} ({}x{}){}{}", options.output, region_px, region_px,

@@ -60,7 +60,7 @@ int trace_map(const MapOptions& options) {
     const RecordedRun run = open_run(has_run ? options.run : "");
     const RecordedFrame frame = run.frame(one_frame(run, options.selection));
     for (const std::string& reason : frame.missing) {
-        fmt::print(stderr, "note: {}; its regions are dark in the map\n", printable(reason));
+        print_notice("note", fmt::format("{}; its regions are dark in the map", reason));
     }
     const MapValues map = map_values(frame, kind);
     if (options.raw) {

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/machine/computers/lost_computers.hpp"
 #include "host/machine/launcher.hpp"
 
@@ -47,7 +48,8 @@ void Launcher::end_computers() {
     try {
         end_processes(drain_ms, Ending::all);
     } catch (const std::exception& error) {
-        fmt::print(stderr, "warning: other computers may not have ended: {}\n", error.what());
+        print_notice("warning",
+                     fmt::format("other computers may not have ended: {}", error.what()));
     }
 }
 
@@ -74,7 +76,7 @@ void Launcher::leave_out_former() {
     }
     for (const std::string& name : left_out) {
         if (has(processes_.lost(), name)) {
-            fmt::print(stderr, "warning: the machine goes on without computer {}\n", name);
+            print_notice("warning", fmt::format("the machine goes on without computer {}", name));
         }
     }
 }

@@ -91,10 +91,10 @@ std::vector<MachineNode> Launcher::nodes() const {
 
 void Launcher::print_news_of_computers() {
     for (const std::string& text : processes_.others().take_warnings()) {
-        fmt::print(stderr, "warning: {}\n", printable(text));
+        print_notice("warning", text);
     }
     for (const std::string& text : processes_.others().take_news()) {
-        fmt::print(stderr, "note: {}\n", printable(text));
+        print_notice("note", text);
         if (watcher_.tell_computer) {
             watcher_.tell_computer(text);
         }
@@ -158,7 +158,7 @@ void Launcher::call_computers() {
         if (joined != noted && now_ms() - noted_ms > note_after_ms) {
             noted = joined;
             noted_ms = now_ms();
-            fmt::print(stderr, "waiting: {}\n", state);
+            print_notice("waiting", state);
         }
         wait_for_event(static_cast<int>(end_ms - now_ms()));
         discard_messages(false);  // Else the link's descriptor stays readable.
@@ -211,10 +211,11 @@ void Launcher::measure_network() {
         const double mb_s = measured_mb_s(static_cast<int>(i) + 1).value_or(0);
         if (mb_s < below) {
             link_.compress_far(true);
-            fmt::print(stderr,
-                       "note: the network to {} carries {:.0f} MB/s: messages between computers "
-                       "are compressed\n",
-                       computers[i].facts.name, mb_s);
+            print_notice(
+                "note",
+                fmt::format("the network to {} carries {:.0f} MB/s: messages between computers "
+                            "are compressed",
+                            computers[i].facts.name, mb_s));
             break;
         }
     }
@@ -253,8 +254,9 @@ void Launcher::place() {
         const bool has_joined = std::ranges::any_of(
             slots, [&](const ComputerSlots& slot) { return slot.name == named.name; });
         if (!has_joined) {
-            fmt::print(stderr, "warning: no computer has joined as {}; its slots are not used\n",
-                       named.name);
+            print_notice(
+                "warning",
+                fmt::format("no computer has joined as {}; its slots are not used", named.name));
         }
     }
     const std::vector<int> nodes = place_nodes(roster_, topology_, slots);

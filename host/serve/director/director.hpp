@@ -53,6 +53,9 @@ struct DirectorParts {
     /// Called when viewers are warned of the end, and when the session has been saved or could not
     /// be. May be empty.
     std::function<void(const EndNotice&)> tell_end_notice;
+    /// Called when the machine is started again after a death, and when it runs again. May be
+    /// empty.
+    std::function<void(const std::string& text, bool is_over)> tell_restart;
     /// Called with the number of viewers when it changes. May be empty.
     std::function<void(std::size_t)> tell_viewers;
 };

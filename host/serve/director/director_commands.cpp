@@ -304,6 +304,9 @@ void Director::guard(const std::string& what, const std::function<void()>& act) 
 /// Tells the viewers that the machine is started again, or that it runs again.
 void Director::tell_restart(const std::string& text, bool is_over) {
     note(is_over ? "info" : "error", text);
+    if (parts_.tell_restart) {
+        parts_.tell_restart(text, is_over);
+    }
     if (!is_over) {
         if (!is_restarting_) {
             busy_before_ = std::exchange(busy_, "starting the machine again");

@@ -228,10 +228,11 @@ void Follower::look_for_session() {
     if (found == sessions.end()) {
         if (!has_missed_session_ && steady_clock::now() - *runs_since_ > usual_start) {
             has_missed_session_ = true;
-            fmt::print(stderr,
-                       "warning: job {} runs, but no session of it is in {}. All computers of the "
-                       "job must share this folder; --run-folder names another\n",
-                       job_.id, printable(base_.string()));
+            print_notice(
+                "warning",
+                fmt::format("job {} runs, but no session of it is in {}. All computers of the "
+                            "job must share this folder; --run-folder names another",
+                            job_.id, base_.string()));
         }
         return;
     }

@@ -8,6 +8,7 @@
 #include <initializer_list>
 #include <vector>
 
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/serve/depths/lean_packing.hpp"
 #include "host/serve/server/encode.hpp"
 #include "host/serve/server/server_loop.hpp"
@@ -325,7 +326,7 @@ bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t dept
         video_frame_ = viewer.video->encode(sent.width, sent.height, sent.pixels,
                                             goal - std::min(depth_bytes, goal / 2));
     } catch (const std::exception& error) {
-        fmt::print(stderr, "warning: moving pictures are JPEG: {}\n", error.what());
+        print_notice("warning", fmt::format("moving pictures are JPEG: {}", error.what()));
         viewer.wants_video = false;
     }
     return viewer.wants_video;
@@ -362,7 +363,7 @@ const std::string& Loop::encoded_depths(const Shown& shown) {
             encoded_depths_ =
                 packed_stack(shown.width, shown.height, shown.pictures(), shown.depths);
         } catch (const std::exception& error) {
-            fmt::print(stderr, "warning: pictures have no depths: {}\n", error.what());
+            print_notice("warning", fmt::format("pictures have no depths: {}", error.what()));
         }
     }
     return encoded_depths_;

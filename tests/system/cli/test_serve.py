@@ -217,6 +217,18 @@ class Serve(Case):
         self.assertTrue(viewer.do("undo")["ok"])
         self.assertEqual(program.stop()[0], 0)
 
+    def test_the_terminal_tells_a_death_and_the_restart(self):
+        """Also if no viewer is connected."""
+        program = self.program("phantom:sphere")
+        os.kill(program.nodes("pxpl5-gp")[0], signal.SIGKILL)
+        self.assertRegex(program.process.stderr.readline(),
+                         r"^warning: gp-0 was killed by signal 9 \(SIGKILL\) \(log: .*"
+                         r"\. The machine is started again \(restart 1 of 3\)$")
+        self.assertRegex(program.process.stderr.readline(),
+                         r"^note: The machine runs again with 1 GP, 1 Renderer\. Everything is "
+                         r"restored after \d+ ms$")
+        self.assertEqual(program.stop()[0], 0)
+
     def test_no_socket_of_the_server_is_open_in_a_node(self):
         """Also after a restart, when viewers are connected."""
         def sockets(pid):
