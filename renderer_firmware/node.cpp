@@ -146,7 +146,8 @@ bus::NodeStatus RendererNode::status() const {
 
 bus::Doing RendererNode::doing() {
     if (!drawing_) {
-        return {bus::Body::RegionPrograms};
+        return waiting_.empty() ? bus::Doing{}
+                                : bus::Doing{bus::Body::RegionPrograms, waiting_.begin()->first};
     }
     return {bus::Body::RegionPrograms, drawing_->plan.frame,
             static_cast<std::uint32_t>(drawing_->next_region),

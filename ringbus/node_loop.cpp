@@ -86,7 +86,7 @@ bool run_node(Node& node, Link& link, const std::function<bool()>& alive, Pulse&
     LinkOutbox out(link, &clock);
     const auto rest = [&] {
         const StageClock::In waiting(&clock, stage::wait);
-        pulse.enter(Phase::waiting);
+        pulse.enter(Phase::waiting, node.doing());
         return link.wait(quiet_ms);
     };
     clock.enter(stage::receive);

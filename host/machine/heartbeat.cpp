@@ -118,14 +118,20 @@ std::string seconds(std::int64_t ms) {
 
 std::string work_text(const bus::PulseReading& pulse, const NameOfSurface& name_of_surface) {
     const std::string_view verb = verb_of(pulse.doing.kind);
-    if (pulse.phase == Phase::waiting) {
+    if (pulse.phase != Phase::receiving && pulse.doing.kind == Body::NONE) {
         return "while it waited for messages";
     }
     if (pulse.phase == Phase::receiving || verb.empty()) {
         return fmt::format("while it took {}", bus::kind_name(pulse.doing.kind));
     }
-    return fmt::format("while {}{}{}", verb, subject_text(pulse.doing, name_of_surface),
-                       piece_text(pulse.doing));
+    return fmt::format("while {}{}{}{}", verb, subject_text(pulse.doing, name_of_surface),
+                       piece_text(pulse.doing),
+                       pulse.phase == Phase::waiting ? ", as it waited for messages" : "");
+}
+
+std::string io_work_text(const bus::PulseReading& pulse) {
+    const bool is_idle = pulse.phase != Phase::receiving && pulse.doing.kind == Body::NONE;
+    return is_idle ? "while it had no request" : work_text(pulse, {});
 }
 
 int Heartbeat::prepare(const std::string& name) {

@@ -20,6 +20,8 @@ using NameOfSurface = std::function<std::string(std::uint32_t id)>;
 
 /// "while building surface 'bone' (slab 3 of 12)".
 std::string work_text(const bus::PulseReading& pulse, const NameOfSurface& name_of_surface);
+/// The same of an io process, which works on one request and has no surfaces.
+std::string io_work_text(const bus::PulseReading& pulse);
 
 /// A process that the heartbeat watches.
 struct Watched {

@@ -9,6 +9,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/memory_kills.hpp"
 #include "host/base/kernel/protections.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 #include "host/machine/launcher.hpp"
 
 namespace pxpl5::host {
@@ -20,14 +21,14 @@ constexpr int max_kept_logs = 100;  // Logs of failed io processes.
 /// Warns once per machine that files of strangers are read with less protection than usual.
 void print_missing_protections(bool has_sandbox) {
     if (!has_sandbox) {
-        fmt::print(stderr,
-                   "warning: --no-io-sandbox: a crafted file can do what this user can do; "
-                   "load trusted files only\n");
+        print_notice("warning",
+                     "--no-io-sandbox: a crafted file can do what this user can do; "
+                     "load trusted files only");
         return;
     }
     for (const std::string& missing :
          missing_protections(landlock_version(), has_system_call_filters())) {
-        fmt::print(stderr, "note: this system has no {}\n", missing);
+        print_notice("note", fmt::format("this system has no {}", missing));
     }
 }
 
@@ -175,7 +176,7 @@ IoFailure Launcher::io_error(const Death& death) {
     IoDeath io;
     io.death = death;
     io.file = work_;
-    io.doing = cell == nullptr ? "" : work_text(cell->read(), {});
+    io.doing = cell == nullptr ? "" : io_work_text(cell->read());
     io.said = said;
     io.log = error ? log : kept;
     io.memory = memory_lack(io_.memory_kills, memory_kills());

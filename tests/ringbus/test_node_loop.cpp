@@ -1,11 +1,14 @@
 #include "ringbus/node_loop.hpp"
 
 #include <doctest/doctest.h>
+#include <unistd.h>
 
 #include <deque>
+#include <functional>
 #include <new>
 #include <variant>
 
+#include "ringbus/pulse.hpp"
 #include "ringbus/wire.hpp"
 #include "tests/ringbus/wire_bytes.hpp"
 
@@ -62,6 +65,9 @@ class ScriptedLink final : public Link {
 
     bool wait(int) override {
         ++waits;
+        if (at_wait) {
+            at_wait();
+        }
         if (!events_.empty()) {
             events_.pop_front();
         }
@@ -71,6 +77,7 @@ class ScriptedLink final : public Link {
     std::vector<Message> sent;
     int waits = 0;
     int held_up_waits = 0;  ///< Number of waits without credit.
+    std::function<void()> at_wait;
 
   private:
     std::deque<Event> events_;
@@ -111,6 +118,8 @@ struct Diary final : Node {
         return pieces > 0;
     }
     NodeStatus status() const override { return {0, static_cast<std::size_t>(pieces), 0}; }
+    Doing doing() override { return current; }
+    Doing current;
 };
 
 const auto always = [] { return true; };
@@ -238,6 +247,20 @@ TEST_SUITE("ringbus/node_loop") {
         CHECK(request(2) == Body::SetSurface);
         CHECK_FALSE(fault(link, 3).frame().has_value());
         CHECK(request(3) == Body::RemoveSurface);
+    }
+
+    TEST_CASE("the pulse of a node that waits within its work shows the work") {
+        PulseCell cell;
+        Pulse pulse(dup(cell.fd()), 1000);
+        ScriptedLink link({numbered(1), Quiet{}, shutdown()});
+        Diary node;
+        node.current = {Body::Slices, 3, 4, 90};
+        PulseReading seen;
+        link.at_wait = [&] { seen = cell.read(); };
+        CHECK(run_node(node, link, always, pulse));
+        CHECK(seen.phase == Phase::waiting);
+        CHECK(seen.doing.kind == Body::Slices);
+        CHECK(seen.doing.done == 4);
     }
 
     TEST_CASE("a fault in one piece of work does not stop the others") {

@@ -247,5 +247,18 @@ TEST_CASE("the work of a node is put into words, also if the node writes nonsens
     CHECK(text(Phase::working, {Body::SetSurface, 3, 9, 9}) ==
           "while building surface 3 (slab 9 of 9)");
     CHECK(text(Phase::working, {Body::ImportVolume}) == "while reading a volume");
-    CHECK(text(static_cast<Phase>(99), {Body::NONE}) == "while it took NONE");
+    CHECK(text(static_cast<Phase>(99), {Body::NONE}) == "while it waited for messages");
+    CHECK(text(Phase::receiving, {Body::NONE}) == "while it took NONE");
+}
+
+TEST_CASE("the work of a process that waits within its work is told") {
+    CHECK(work_text({.phase = Phase::waiting, .doing = {Body::Slices, 1, 4, 90}}, {}) ==
+          "while storing or sending slices (slice 5 of 90), as it waited for messages");
+    const auto text = [](Phase phase, Body kind) {
+        return io_work_text({.beats = 1, .phase = phase, .doing = {kind}});
+    };
+    CHECK(text(Phase::waiting, Body::NONE) == "while it had no request");
+    CHECK(text(Phase::working, Body::NONE) == "while it had no request");
+    CHECK(text(Phase::receiving, Body::ImportVolume) == "while it took ImportVolume");
+    CHECK(text(Phase::working, Body::ImportVolume) == "while reading a volume");
 }
