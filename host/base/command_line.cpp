@@ -152,6 +152,9 @@ std::string to_line(const Arguments& arguments) {
 double parse_number(std::string_view what, std::string_view text, double low, double high) {
     double value = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error == std::errc::result_out_of_range) {
+        refuse_command(fmt::format("{}: '{}' is too large or too small for a number", what, text));
+    }
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) {
         refuse_command(fmt::format("{}: '{}' is not a number", what, text));
     }
@@ -195,8 +198,8 @@ Size parse_size(std::string_view text, int low, int high) {
     if (x == std::string_view::npos) {
         refuse_command(fmt::format("size: '{}' is not of the form WIDTHxHEIGHT", text));
     }
-    const double width = parse_number("width", text.substr(0, x), low, high);
-    const double height = parse_number("height", text.substr(x + 1), low, high);
+    const double width = parse_number("size: width", text.substr(0, x), low, high);
+    const double height = parse_number("size: height", text.substr(x + 1), low, high);
     if (width != std::floor(width) || height != std::floor(height)) {
         refuse_command(fmt::format("size: '{}' is not in whole pixels", text));
     }

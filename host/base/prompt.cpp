@@ -94,11 +94,25 @@ struct Prompt {
     }
 };
 
-/// Splits at ';' and newlines that stand outside quotes.
-std::vector<std::string> split_commands(const std::string& text) {
+/// Whether a comment, which goes to the end of its line, begins at `at`: as parse_line() reads it.
+bool begins_comment(std::string_view text, std::size_t at) {
+    constexpr std::string_view before = " \t;\n", behind = " \r\n";
+    return text[at] == '#' && (at == 0 || before.find(text[at - 1]) != std::string_view::npos) &&
+           (at + 1 == text.size() || behind.find(text[at + 1]) != std::string_view::npos);
+}
+
+/// Splits at ';' and newlines that stand outside quotes and comments.
+std::vector<std::string> split_commands(std::string_view text) {
     std::vector<std::string> lines(1);
     char quote = 0;
-    for (const char c : text) {
+    bool is_comment = false;
+    for (std::size_t at = 0; at < text.size(); ++at) {
+        const char c = text[at];
+        is_comment = c != '\n' && (is_comment || (quote == 0 && begins_comment(text, at)));
+        if (is_comment) {
+            lines.back() += c;
+            continue;
+        }
         if (quote == 0 && (c == ';' || c == '\n')) {
             lines.emplace_back();
             continue;
@@ -138,8 +152,24 @@ LineSource lines_of_text(const std::string& text) {
     };
 }
 
+LineSource commands_of(LineSource lines) {
+    return [next_line = std::move(lines), commands = LineSource()]() mutable {
+        std::optional<std::string> command = commands ? commands() : std::nullopt;
+        while (!command) {
+            const std::optional<std::string> line = next_line();
+            if (!line) {
+                return command;
+            }
+            commands = lines_of_text(*line);
+            command = commands();
+        }
+        return command;
+    };
+}
+
 LineSource lines_of_prompt(WaitReadable wait_readable) {
-    return [prompt = std::make_shared<Prompt>(std::move(wait_readable))] { return prompt->ask(); };
+    return commands_of(
+        [prompt = std::make_shared<Prompt>(std::move(wait_readable))] { return prompt->ask(); });
 }
 
 }  // namespace pxpl5::host

@@ -22,9 +22,11 @@ using WaitReadable = std::function<void(int fd)>;
 std::size_t read_some(int fd, const WaitReadable& wait_readable, std::span<char> bytes,
                       const std::string& name);
 
-/// Lines of `text`, which are separated by ';' or newlines outside quotes.
+/// Commands of `text`, which are separated by ';' or newlines outside quotes and comments.
 LineSource lines_of_text(const std::string& text);
-/// Lines that a person types at the terminal, with history and editing.
+/// The commands of each line of a source.
+LineSource commands_of(LineSource lines);
+/// Commands that a person types at the terminal, with history and editing.
 LineSource lines_of_prompt(WaitReadable wait_readable = {});
 
 }  // namespace pxpl5::host

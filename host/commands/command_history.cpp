@@ -15,6 +15,7 @@
 
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
+#include "host/base/prompt.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/text/scene_script.hpp"
@@ -76,18 +77,17 @@ void write_script(const std::string& path, const std::string& text) {
 std::string read_script(const std::string& path) {
     std::error_code error;
     if (const std::string reason = why_unreadable(path); !reason.empty()) {
-        throw RequestError(ExitCode::usage, fmt::format("play: '{}' {}", path, reason));
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: {}", path, reason));
     }
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     if (error || bytes > max_script_bytes) {
-        throw RequestError(ExitCode::usage,
-                           fmt::format("play: '{}' has {} bytes, at most {} are read", path, bytes,
-                                       max_script_bytes));
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: has {} bytes; at most {} are read",
+                                                           path, bytes, max_script_bytes));
     }
     std::ifstream file(path, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(file), {}};
     if (!file) {
-        throw RequestError(ExitCode::usage, fmt::format("play: '{}' cannot be read", path));
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: cannot be read", path));
     }
     return text;
 }
@@ -149,17 +149,18 @@ Reply run_play(Session& session, const Arguments& arguments) {
     std::istringstream script(read_script(path));
     std::int64_t done = 0;
     int number = 1;
-    for (std::string line; std::getline(script, line); ++number) {
+    bool has_quit = false;
+    for (std::string line; !has_quit && std::getline(script, line); ++number) {
         try {
-            const Arguments command = parse_line(line);
-            if (command.name.empty()) {
-                continue;
+            const LineSource next = lines_of_text(line);
+            for (std::optional<std::string> text; !has_quit && (text = next());) {
+                const Arguments command = parse_line(*text);
+                has_quit = is_quit(command);
+                if (!command.name.empty() && !has_quit) {
+                    run_command(session, command);
+                    ++done;
+                }
             }
-            if (is_quit(command)) {
-                break;
-            }
-            run_command(session, command);
-            ++done;
         } catch (const Canceled&) {
             throw;
         } catch (const RequestError& error) {

@@ -129,7 +129,7 @@ class Script {
   public:
     Script(Session& session, const ScriptOptions& options) : session_(session), options_(options) {
         session.recovery.on_restart([](const std::string& text, bool is_over) {
-            fmt::print(stderr, "{}: {}\n", is_over ? "note" : "warning", printable(text));
+            print_notice(is_over ? "note" : "warning", text);
         });
     }
     ~Script() { session_.recovery.on_restart({}); }
@@ -238,18 +238,20 @@ class Script {
 }  // namespace
 
 LineSource lines_of(int fd, MachinePort& machine) {
-    return [reader = LineReader(fd, "standard input", machine)]() mutable { return reader.next(); };
+    return commands_of(
+        [reader = LineReader(fd, "standard input", machine)]() mutable { return reader.next(); });
 }
 
 LineSource lines_of_file(const std::string& path, MachinePort& machine) {
     // Non-blocking, because opening a named pipe would wait for its writer.
     const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0) {
-        throw RequestError(ExitCode::usage,
+        throw RequestError(ExitCode::bad_data,
                            fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
     }
     const std::shared_ptr<void> closer(nullptr, [fd](void*) { close(fd); });
-    return [reader = LineReader(fd, path, machine), closer]() mutable { return reader.next(); };
+    return commands_of(
+        [reader = LineReader(fd, path, machine), closer]() mutable { return reader.next(); });
 }
 
 LineSource lines_of_prompt(MachinePort& machine) {

@@ -293,7 +293,10 @@ std::filesystem::path find_named(const std::string& name) {
     }
     std::sort(known.begin(), known.end());
     const std::vector<std::string_view> names(known.begin(), known.end());
-    refuse(fmt::format("no topology '{}'{}", name, did_you_mean(name, names)));
+    std::error_code error;
+    const bool is_file = std::filesystem::exists(name, error);
+    refuse(fmt::format("no topology '{}'{}{}", name, did_you_mean(name, names),
+                       is_file ? fmt::format(". The file of this name is ./{}", name) : ""));
 }
 
 std::filesystem::path path_of(const std::string& name_or_path) {

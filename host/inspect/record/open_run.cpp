@@ -53,11 +53,11 @@ std::vector<fs::path> trace_files(const fs::path& path) {
 RecordedRun RecordedRun::open(const fs::path& path) {
     const std::vector<fs::path> files = trace_files(path);
     if (files.empty()) {
-        throw RequestError(
-            ExitCode::usage,
-            fmt::format("{}: {}", path.string(),
-                        fs::exists(path) ? "holds no trace (*.mcap); record with --record full"
-                                         : "there is no such run"));
+        const std::string reason = !fs::exists(path) ? "there is no such run"
+                                   : fs::is_directory(path)
+                                       ? "holds no trace (*.mcap); record with --record full"
+                                       : "is no run: give the folder of a run, or a trace (*.mcap)";
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: {}", path.string(), reason));
     }
     std::vector<NodeTrace> nodes;
     for (const fs::path& file : files) {

@@ -105,9 +105,9 @@ Route Routes::find(std::string_view path) const {
     std::error_code error;
     // A link could lead out of the folder, so it is not followed.
     if (!fs::is_regular_file(fs::symlink_status(file, error))) {
-        return {};
+        return {RouteKind::none, {}, true};
     }
-    return {RouteKind::file, {file, "application/octet-stream", name}};
+    return {RouteKind::file, {file, "application/octet-stream", name}, true};
 }
 
 Route Routes::find(std::string_view path, int port) const {

@@ -32,7 +32,8 @@ enum class RouteKind : std::uint8_t {
 
 struct Route {
     RouteKind kind = RouteKind::none;
-    ServedFile file;  ///< If kind is file.
+    ServedFile file;           ///< If kind is file.
+    bool is_download = false;  ///< The path names a download, which may not exist.
 };
 
 struct RouteFolders {

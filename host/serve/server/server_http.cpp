@@ -110,6 +110,12 @@ int Loop::on_request(lws* connection) {
     const bool sends = request.method == "POST" || request.method == "PUT";
     const bool takes = route.kind == RouteKind::upload || route.kind == RouteKind::upload_files ||
                        route.kind == RouteKind::upload_done;
+    if ((takes || route.is_download) && !verdict.has_token) {
+        return refuse(connection, 403, judge_by_token(listener_.rules(), request).reason);
+    }
+    if (route.is_download && verdict.role != Role::driver) {  // Whether the file exists or not.
+        return refuse(connection, 403, "A view-only address cannot download files.");
+    }
     if (route.kind == RouteKind::none) {
         return refuse(connection, 404, fmt::format("{} does not exist.", request.path));
     }
@@ -117,14 +123,8 @@ int Loop::on_request(lws* connection) {
         return refuse(connection, 405,
                       fmt::format("{} does not accept {}.", request.path, request.method));
     }
-    if ((takes || !route.file.attachment.empty()) && !verdict.has_token) {
-        return refuse(connection, 403, judge_by_token(listener_.rules(), request).reason);
-    }
     if (takes && verdict.role != Role::driver) {
         return refuse(connection, 403, "A view-only address cannot upload files.");
-    }
-    if (!route.file.attachment.empty() && verdict.role != Role::driver) {
-        return refuse(connection, 403, "A view-only address cannot download files.");
     }
     switch (route.kind) {
         case RouteKind::upload:

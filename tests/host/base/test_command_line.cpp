@@ -106,6 +106,8 @@ TEST_SUITE("host/command_line") {
         CHECK(parse_number("zoom", "1.5e1", 0, 20) == 15);
         CHECK(contains(error_of([] { parse_number("zoom", "12px", 0, 20); }), "'12px'"));
         CHECK(contains(error_of([] { parse_number("zoom", "nan", 0, 20); }), "nan"));
+        CHECK(error_of([] { parse_number("zoom", "1e400", 0, 20); }) ==
+              "zoom: '1e400' is too large or too small for a number");
         const std::string range = error_of([] { parse_number("zoom", "21", 0, 20); });
         CHECK(contains(range, "zoom: 21 is outside 0 .. 20"));
     }

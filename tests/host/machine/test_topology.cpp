@@ -289,6 +289,14 @@ TEST_CASE("a machine is found by name or by path, and an unknown name lists the 
     CHECK(has(refusal([&path] { load_topology(path.string()); }), path.string()));
 }
 
+TEST_CASE("a file without a folder is named as such to whoever asks for a topology of its name") {
+    const std::string name = "pxpl5-note-" + std::to_string(getpid());
+    std::ofstream(name) << "text";
+    const std::string error = refusal([&name] { load_topology(name); });
+    std::filesystem::remove(name);
+    CHECK_MESSAGE(error.ends_with(". The file of this name is ./" + name), error);
+}
+
 TEST_CASE("the heartbeat has defaults, is read from files and overrides, and is written back") {
     const HeartbeatSettings usual = parse_topology(small, "small.json").heartbeat;
     CHECK(usual.interval_ms == 1000);

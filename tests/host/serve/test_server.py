@@ -185,6 +185,12 @@ class Access(Case):
         for name in ("link", "folder", "folder/", "fifo", "nothing"):
             self.assertEqual(self.server.request(f"/download/{name}")[0], 404, name)
 
+    def test_a_watcher_does_not_learn_which_downloads_exist(self):
+        token = urllib.parse.urlsplit(self.server.watch_url).query
+        for name in ("mesh.ply", "nothing"):
+            status, _, body = self.server.request(f"/download/{name}?{token}", token=False)
+            self.assertEqual((status, body), (403, b"A view-only address cannot download files.\n"))
+
 
 class Messages(Case):
     def test_texts_go_to_the_viewer_that_asked_or_to_all(self):

@@ -183,7 +183,7 @@ class ModelCli(unittest.TestCase):
         self.assertIn("frame 7 is not in this run; it has 0, 1",
                       self.refusal(64, self.small, "--frame", "7"))
         self.assertIn("no topology 'paper'", self.refusal(64, self.small, "--topology", "paper"))
-        self.assertIn("there is no such run", self.refusal(64, "nowhere"))
+        self.assertIn("there is no such run", self.refusal(65, "nowhere"))
         self.assertIn("recorded assignment", self.refusal(65, self.large, "--set",
                                                           "assignment=recorded"))
 

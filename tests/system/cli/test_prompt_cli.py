@@ -3,6 +3,7 @@
 import os
 import pathlib
 import pty
+import re
 import select
 import signal
 import sys
@@ -81,6 +82,30 @@ class Prompt(unittest.TestCase):
         self.assertEqual(code, 0, screen)
         self.assertIn("volume 1 of 30", screen)
         self.assertIn("blood", screen)
+
+    def test_a_line_has_several_commands(self):
+        code, screen = self.at_a_terminal(lambda terminal, _: os.write(
+            terminal, b"load phantom:sphere; surface a iso=0.5  # a; surface b iso=0.6\n"
+                      b"surface c iso=0.7; surface d iso=0.8\nhistory; quit; remove a\n"))
+        self.assertEqual(code, 0, screen)
+        told = screen.split("history; quit; remove a", 1)[1]
+        self.assertEqual(re.findall(r"\nsurface (\w)", told), ["a", "c", "d"], screen)
+
+    def test_errors_and_warnings_begin_at_the_left_border(self):
+        """They clear a progress bar, and ^C, which stand in their line."""
+        def act(terminal, pid):
+            os.write(terminal, b"load phantom:heart\nsurface blood iso=70\norbit 2000\n")
+            self.read_until(terminal, b"(Ctrl-C cancels)")
+            kill_renderer(terminal, pid)
+            screens.append(self.read_until(terminal, b"warning: renderer-0 was killed"))
+            screens.append(self.read_until(terminal, b"note: The machine runs again"))
+            os.write(terminal, b"\x03")
+            screens.append(self.read_until(terminal, b"error: "))
+            os.write(terminal, b"quit\n")
+        screens = []
+        self.at_a_terminal(act)
+        for screen, word in zip(screens, (b"warning", b"note", b"error"), strict=True):
+            self.assertIn(b"\r\x1b[K" + word + b": ", screen)
 
     def test_a_node_killed_at_the_prompt_is_replaced(self):
         def kill(terminal, pid):

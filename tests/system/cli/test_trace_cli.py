@@ -178,7 +178,6 @@ class TraceCli(unittest.TestCase):
                                 (["trace", "dump", "--op", "NOP", "--kind", "Credit"], "not both"),
                                 (["trace", "dump", "--pixel", "900", "5"], "900"),
                                 (["trace", "dump", "--region", "77"], "no region is selected"),
-                                (["trace", "ls", "no-such-run"], "no-such-run"),
                                 (["trace", "export"], "--chrome"),
                                 (["trace", "stats", "--json", "--csv"], "only one"),
                                 (["why", "256", "200"], "X and Y of the pixel are missing"),
@@ -194,8 +193,8 @@ class TraceCli(unittest.TestCase):
     def test_bad_files_are_65(self):
         bad = self.path("bad.mcap")
         pathlib.Path(bad).write_bytes(b"this is no trace")
-        for arguments in (["trace", "ls", bad], ["asm", self.path("absent")],
-                          ["exec", bad], ["dis", "--hex", bad]):
+        for arguments in (["trace", "ls", bad], ["trace", "ls", "no-such-run"],
+                          ["asm", self.path("absent")], ["exec", bad], ["dis", "--hex", bad]):
             done = self.pxpl5(*arguments)
             self.assertEqual(done.returncode, 65, (arguments, done))
             self.assertTrue(done.stderr.startswith("error: "), done.stderr)
@@ -214,6 +213,10 @@ class TraceCli(unittest.TestCase):
                                   capture_output=True, text=True, timeout=60, check=False)
             self.assertEqual(done.returncode, 65, (tool, done))
             self.assertIn("is the most that a program may have", done.stderr)
+        for word, reason in ((fifo, "is no run: give the folder of a run, or a trace (*.mcap)"),
+                             (self.path("absent"), "there is no such run")):
+            done = self.pxpl5("trace", "ls", word)
+            self.assertEqual((done.returncode, done.stderr), (65, f"error: {word}: {reason}\n"))
         large = self.path("large")
         with open(large, "wb") as file:
             file.truncate(1 << 30)
