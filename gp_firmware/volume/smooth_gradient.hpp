@@ -17,13 +17,13 @@ inline double weighted(double before, double here, double after, bool is_at_bord
     return is_at_border ? 4 * here : before + 2 * here + after;
 }
 
-/// Parts of a gradient that the voxels at one x contribute: sums over 3 x 3 voxels in y and z.
+/// The contribution of the voxels at one x to a gradient: sums over 3 x 3 voxels in y and z.
 struct GradientColumn {
     double mean;            ///< 16 times the mean of the values.
     double rise_y, rise_z;  ///< Differences along one axis, weighted along the other.
 };
 
-/// The nine rows of voxels around row y of a slice. Beyond the border, the border's.
+/// The nine rows of voxels around row y of a slice. Rows outside the volume repeat the border row.
 template <class T>
 class RowsAround {
   public:
@@ -40,7 +40,7 @@ class RowsAround {
         }
     }
 
-    /// The parts of the voxels at x.
+    /// Returns the sums of the voxels at x.
     GradientColumn column(std::size_t x) const {
         std::array<double, 3> mean, rise;  // Along z, of each row.
         for (std::size_t row = 0; row < 3; ++row) {
@@ -61,9 +61,9 @@ class RowsAround {
     bool y_border_, z_border_;
 };
 
-/// Returns the gradient from the columns at x - 1, x and x + 1; at the border, the one beyond it is
-/// the border's.
-/// store  Makes a component of a gradient from a weighted sum.
+/// Returns the gradient from the columns at x - 1, x and x + 1. At the border, the column outside
+/// the volume repeats the border column. store  Makes a component of a gradient from a weighted
+/// sum.
 template <class Store>
 Gradient smooth_gradient(const GradientColumn& before, const GradientColumn& here,
                          const GradientColumn& after, bool is_at_border, Store store) {

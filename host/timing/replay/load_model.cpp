@@ -19,10 +19,11 @@ SlabRange slabs_with(std::uint32_t slice, std::uint32_t slabs) {
 }
 
 /// Cycles for one voxel's gradient. A smooth one (gp_firmware/volume/smooth_gradient.hpp) has 26
-/// additions, subtractions and doublings instead of 3, and reads 27 voxels instead of 6; each of
-/// the others takes a cycle.
+/// additions, subtractions and doublings instead of 3: 19 of its next column and 7 of the columns,
+/// whose parts stay in registers. It reads the 9 voxels of the column instead of 6. Each of the
+/// further ones takes a cycle.
 double gradient_cycles(const Machine& machine, GradientKernel kernel) {
-    constexpr double further_operations = 26 - 3, further_reads = 27 - 6;
+    constexpr double further_operations = 26 - 3, further_reads = 9 - 6;
     return machine.gp_gradient_cycles +
            (kernel == GradientKernel::smooth ? further_operations + further_reads : 0);
 }
