@@ -37,7 +37,6 @@ Surface surface_of(const Source& source) {
 }
 
 std::string write_picture(Session& session, const Source& source, const std::string& folder) {
-    std::filesystem::create_directories(folder);
     std::string name = source.name;
     std::ranges::replace(name, '/', '-');
     const std::string path = (std::filesystem::path(folder) / (name + ".png")).string();
@@ -63,7 +62,7 @@ void write_pictures(Session& session, std::span<const Source> sources,
     for (std::size_t i = 0; i < sources.size(); ++i) {
         const Source& source = sources[i];
         if (measuring.progress) {
-            measuring.progress(i, source);
+            measuring.progress(sources.size() + i, source);
         }
         if (source.volume != loaded) {
             session.volumes.load(source.volume, options);

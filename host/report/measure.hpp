@@ -24,9 +24,9 @@ struct MeasuredCase {
 struct MeasureOptions {
     bool wall = true;    ///< Whether frames are drawn for their wall time.
     bool pairs = false;  ///< Whether a frame is drawn for both eyes.
-    /// Folder for pictures, made if absent; none if empty. They are shaded with smooth gradients.
+    /// Folder for pictures; none if empty. They are shaded with smooth gradients.
     std::string pictures;
-    /// Called before each row, and again before its picture.
+    /// Called before each row, and before its picture. done  Rows, then rows and pictures.
     std::function<void(std::size_t done, const Source& source)> progress;
 };
 

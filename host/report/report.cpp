@@ -226,6 +226,20 @@ void put(const Output& output, const ReportOptions& options) {
     }
 }
 
+/// Makes the folder of the pictures before the work. Throws RequestError (failed) if they cannot be
+/// written there.
+void make_picture_folder(const std::string& folder) {
+    std::error_code error;
+    std::filesystem::create_directories(folder, error);
+    if (!error && access(folder.c_str(), W_OK) != 0) {
+        error = {errno, std::generic_category()};
+    }
+    if (error) {
+        throw RequestError(ExitCode::failed, fmt::format("--pictures {}: cannot be written: {}",
+                                                         folder, error.message()));
+    }
+}
+
 }  // namespace
 
 void check(const ReportOptions& options) {
@@ -248,6 +262,9 @@ void check(const ReportOptions& options) {
         check_picture_suffix("--picture", options.picture);
     }
     sources_of(options.data, options.rows);
+    if (!options.pictures.empty()) {
+        make_picture_folder(options.pictures);
+    }
 }
 
 void run_report(Session& session, const ReportOptions& options, const Topology& modelled,
@@ -256,7 +273,9 @@ void run_report(Session& session, const ReportOptions& options, const Topology& 
     std::optional<Progress> progress(std::in_place);
     MeasureOptions measuring{options.paper, options.paper, options.pictures, {}};
     measuring.progress = [&](std::size_t done, const Source& source) {
-        progress->tell(fmt::format("{} of {}: {}", done + 1, material.sources.size(), source.name));
+        const std::size_t rows = material.sources.size();
+        progress->tell(fmt::format("{} {} of {}: {}", done < rows ? "row" : "picture",
+                                   done % rows + 1, rows, source.name));
     };
     material.cases = measure(session, material.sources, measuring);
     const Output output =

@@ -175,6 +175,8 @@ class Phantoms(Report):
                 (["--paper", "pelvis/skim"], 64, "did you mean 'pelvis/skin'"),
                 (["--paper", "--data", "nowhere"], 65, "nowhere: there is no such folder"),
                 (["--paper", "--data", "."], 65, "'ct/knee_128x128x56.nrrd', which row"),
+                (["--paper", "--pictures", "/dev/null/x"], 1,
+                 "--pictures /dev/null/x: cannot be written: Not a directory"),
                 (["--paper", "--topology", "nothing"], 64, "nothing"),
                 (["--scaling", "pelvis/skin", "--csv", "no/s.csv"], 1, "no/s.csv")):
             with self.subTest(arguments):
