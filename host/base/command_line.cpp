@@ -120,7 +120,7 @@ Arguments parse_line(std::string_view line) {
             continue;
         }
         // "#ff8000" is a color, "# words" a comment.
-        if (line[at] == '#' && (at + 1 == line.size() || line[at + 1] == ' ')) {
+        if (begins_comment(line.substr(at))) {
             break;
         }
         const Word word = read_word(line, at);

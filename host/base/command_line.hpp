@@ -28,6 +28,12 @@ struct Arguments {
     double number(std::string_view key, double otherwise) const;
 };
 
+/// Whether the text, which begins with a word, begins with a comment: '#' and a blank or the end.
+inline bool begins_comment(std::string_view text) {
+    return text.starts_with('#') && (text.size() == 1 || std::string_view(" \t\r\n").find(
+                                                             text[1]) != std::string_view::npos);
+}
+
 /// Splits at blanks; quotes ('..' or "..") keep blanks and '='; '#' at the start of a word begins a
 /// comment. Returns an empty name for a blank line. Throws RequestError (usage) for an open quote,
 /// a repeated key or a NUL byte.

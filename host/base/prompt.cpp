@@ -13,7 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include "host/base/command_line.hpp"
 #include "host/base/error.hpp"
+#include "host/base/kernel/standard_streams.hpp"
 
 namespace pxpl5::host {
 
@@ -30,7 +32,9 @@ struct Prompt {
     WaitReadable wait_readable;
     std::exception_ptr failure;  ///< Ended the wait for a key; libedit is C and cannot carry it.
     EditLine* line = el_init("pxpl5", stdin, stdout, stderr);
-    ::History* past = history_init();  // libedit's.
+    ::History* past = history_init();        // libedit's.
+    std::string unfinished;                  ///< Typed before a failure, for the next line.
+    static inline Prompt* asking = nullptr;  ///< The prompt that reads a line.
 
     explicit Prompt(WaitReadable wait) : wait_readable(std::move(wait)) {
         HistEvent event;
@@ -49,8 +53,16 @@ struct Prompt {
     }
     std::optional<std::string> ask() {
         int length = 0;
+        if (!unfinished.empty()) {
+            el_push(line, std::exchange(unfinished, "").c_str());
+        }
+        asking = this;
+        redraw_after_notices([] { el_set(asking->line, EL_REFRESH); });
         const char* text = el_gets(line, &length);
+        redraw_after_notices(nullptr);
         if (failure) {
+            const LineInfo* const typed = el_line(line);
+            unfinished.assign(typed->buffer, typed->lastchar);
             std::fputc('\n', stdout);  // The cursor stands behind the prompt.
             std::rethrow_exception(std::exchange(failure, nullptr));
         }
@@ -94,11 +106,9 @@ struct Prompt {
     }
 };
 
-/// Whether a comment, which goes to the end of its line, begins at `at`: as parse_line() reads it.
-bool begins_comment(std::string_view text, std::size_t at) {
-    constexpr std::string_view before = " \t;\n", behind = " \r\n";
-    return text[at] == '#' && (at == 0 || before.find(text[at - 1]) != std::string_view::npos) &&
-           (at + 1 == text.size() || behind.find(text[at + 1]) != std::string_view::npos);
+/// Whether a word begins at `at`, outside quotes.
+bool begins_word(std::string_view text, std::size_t at) {
+    return at == 0 || std::string_view(" \t;\n").find(text[at - 1]) != std::string_view::npos;
 }
 
 /// Splits at ';' and newlines that stand outside quotes and comments.
@@ -108,7 +118,8 @@ std::vector<std::string> split_commands(std::string_view text) {
     bool is_comment = false;
     for (std::size_t at = 0; at < text.size(); ++at) {
         const char c = text[at];
-        is_comment = c != '\n' && (is_comment || (quote == 0 && begins_comment(text, at)));
+        is_comment = c != '\n' && (is_comment || (quote == 0 && begins_word(text, at) &&
+                                                  begins_comment(text.substr(at))));
         if (is_comment) {
             lines.back() += c;
             continue;
@@ -140,7 +151,7 @@ std::size_t read_some(int fd, const WaitReadable& wait_readable, std::span<char>
             return count > 0 ? static_cast<std::size_t>(count) : 0;
         }
         if (errno != EINTR && errno != EAGAIN) {
-            throw RequestError(ExitCode::usage,
+            throw RequestError(ExitCode::bad_data,
                                fmt::format("{}: cannot be read: {}", name, std::strerror(errno)));
         }
     }
@@ -152,24 +163,8 @@ LineSource lines_of_text(const std::string& text) {
     };
 }
 
-LineSource commands_of(LineSource lines) {
-    return [next_line = std::move(lines), commands = LineSource()]() mutable {
-        std::optional<std::string> command = commands ? commands() : std::nullopt;
-        while (!command) {
-            const std::optional<std::string> line = next_line();
-            if (!line) {
-                return command;
-            }
-            commands = lines_of_text(*line);
-            command = commands();
-        }
-        return command;
-    };
-}
-
 LineSource lines_of_prompt(WaitReadable wait_readable) {
-    return commands_of(
-        [prompt = std::make_shared<Prompt>(std::move(wait_readable))] { return prompt->ask(); });
+    return [prompt = std::make_shared<Prompt>(std::move(wait_readable))] { return prompt->ask(); };
 }
 
 }  // namespace pxpl5::host

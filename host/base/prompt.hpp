@@ -18,15 +18,13 @@ using WaitReadable = std::function<void(int fd)>;
 /// Waits until `fd` is readable (with `wait_readable` if it is set), then reads.
 ///
 /// Returns   the number of bytes read; 0 at the end of the input and for a closed descriptor.
-/// Throws    RequestError (usage) naming `name` if reading fails.
+/// Throws    RequestError (bad_data) naming `name` if reading fails.
 std::size_t read_some(int fd, const WaitReadable& wait_readable, std::span<char> bytes,
                       const std::string& name);
 
 /// Commands of `text`, which are separated by ';' or newlines outside quotes and comments.
 LineSource lines_of_text(const std::string& text);
-/// The commands of each line of a source.
-LineSource commands_of(LineSource lines);
-/// Commands that a person types at the terminal, with history and editing.
+/// Lines that a person types at the terminal, with history and editing.
 LineSource lines_of_prompt(WaitReadable wait_readable = {});
 
 }  // namespace pxpl5::host

@@ -13,9 +13,9 @@
 #include <sstream>
 #include <string_view>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
-#include "host/base/prompt.hpp"
 #include "host/commands/command_handlers.hpp"
 #include "host/commands/commands.hpp"
 #include "host/commands/text/scene_script.hpp"
@@ -81,8 +81,9 @@ std::string read_script(const std::string& path) {
     }
     const std::uintmax_t bytes = std::filesystem::file_size(path, error);
     if (error || bytes > max_script_bytes) {
-        throw RequestError(ExitCode::bad_data, fmt::format("{}: has {} bytes; at most {} are read",
-                                                           path, bytes, max_script_bytes));
+        throw RequestError(ExitCode::bad_data,
+                           fmt::format("{}: has {} bytes; at most {} are read", path,
+                                       grouped(bytes), grouped(max_script_bytes)));
     }
     std::ifstream file(path, std::ios::binary);
     std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -149,18 +150,17 @@ Reply run_play(Session& session, const Arguments& arguments) {
     std::istringstream script(read_script(path));
     std::int64_t done = 0;
     int number = 1;
-    bool has_quit = false;
-    for (std::string line; !has_quit && std::getline(script, line); ++number) {
+    for (std::string line; std::getline(script, line); ++number) {
         try {
-            const LineSource next = lines_of_text(line);
-            for (std::optional<std::string> text; !has_quit && (text = next());) {
-                const Arguments command = parse_line(*text);
-                has_quit = is_quit(command);
-                if (!command.name.empty() && !has_quit) {
-                    run_command(session, command);
-                    ++done;
-                }
+            const Arguments command = parse_line(line);
+            if (command.name.empty()) {
+                continue;
             }
+            if (is_quit(command)) {
+                break;
+            }
+            run_command(session, command);
+            ++done;
         } catch (const Canceled&) {
             throw;
         } catch (const RequestError& error) {

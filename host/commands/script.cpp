@@ -136,7 +136,22 @@ class Script {
     Script(const Script&) = delete;
     Script& operator=(const Script&) = delete;
 
-    /// Returns false if the script ends with this line.
+    /// Runs a line. At a prompt, ';' separates several commands: the others are left out after one
+    /// that fails or is canceled. Returns false if the script ends with this line.
+    bool run_line(const std::string& line) {
+        if (!options_.is_prompt) {
+            return run(line);
+        }
+        const LineSource next_command = lines_of_text(line);
+        has_failed_ = false;
+        for (std::optional<std::string> command; !has_failed_ && (command = next_command());) {
+            if (!run(*command)) {
+                return false;
+            }
+        }
+        return true;
+    }
+    /// Returns false if the script ends with this command.
     bool run(const std::string& line) {
         start_ms_ = ms_now();
         outcome_ = {trimmed(line), "", 0, {}};
@@ -217,6 +232,7 @@ class Script {
 
     bool fail(const std::string& error, ExitCode exit_code, const Reply* reply) {
         const int code = static_cast<int>(exit_code);
+        has_failed_ = true;
         exit_code_ = exit_code_ == 0 ? code : exit_code_;
         close_outcome();
         if (options_.json) {
@@ -232,14 +248,14 @@ class Script {
     Output output_;
     CommandOutcome outcome_;
     double start_ms_ = 0;
+    bool has_failed_ = false;
     int exit_code_ = 0;
 };
 
 }  // namespace
 
 LineSource lines_of(int fd, MachinePort& machine) {
-    return commands_of(
-        [reader = LineReader(fd, "standard input", machine)]() mutable { return reader.next(); });
+    return [reader = LineReader(fd, "standard input", machine)]() mutable { return reader.next(); };
 }
 
 LineSource lines_of_file(const std::string& path, MachinePort& machine) {
@@ -250,8 +266,7 @@ LineSource lines_of_file(const std::string& path, MachinePort& machine) {
                            fmt::format("{}: cannot be opened: {}", path, std::strerror(errno)));
     }
     const std::shared_ptr<void> closer(nullptr, [fd](void*) { close(fd); });
-    return commands_of(
-        [reader = LineReader(fd, path, machine), closer]() mutable { return reader.next(); });
+    return [reader = LineReader(fd, path, machine), closer]() mutable { return reader.next(); };
 }
 
 LineSource lines_of_prompt(MachinePort& machine) {
@@ -277,7 +292,7 @@ int run_script(Session& session, const LineSource& next_line, const ScriptOption
         return line;
     };
     for (std::optional<std::string> line; (line = next());) {
-        if (!script.run(*line)) {
+        if (!script.run_line(*line)) {
             break;
         }
     }

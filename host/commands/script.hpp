@@ -25,10 +25,10 @@ struct ScriptOptions {
 inline constexpr std::size_t max_line_bytes = std::size_t{1} << 20;
 
 /// Lines of `fd`, which may be a pipe: while none is here, the machine is looked after. The source
-/// throws MachineError as MachinePort::wait_readable(), and RequestError (usage) if reading fails
-/// or a line is longer than max_line_bytes.
+/// throws MachineError as MachinePort::wait_readable(), and RequestError if reading fails
+/// (bad_data) or a line is longer than max_line_bytes.
 LineSource lines_of(int fd, MachinePort& machine);
-/// Lines of a file or named pipe. Throws RequestError (usage) if it cannot be opened.
+/// Lines of a file or named pipe. Throws RequestError (bad_data) if it cannot be opened.
 LineSource lines_of_file(const std::string& path, MachinePort& machine);
 /// Lines that a person types at the prompt. Serves `machine` while nothing is typed: Ctrl-C and
 /// dead nodes then end the run, as during a command.

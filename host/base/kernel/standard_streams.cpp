@@ -16,6 +16,8 @@ namespace pxpl5::host {
 
 namespace {
 
+thread_local void (*redraw_line)() = nullptr;
+
 /// True if standard output is a pipe whose reader has closed it.
 bool has_no_reader() {
     pollfd output{STDOUT_FILENO, POLLOUT, 0};
@@ -54,6 +56,13 @@ std::string_view line_clearer() {
 void print_notice(std::string_view kind, std::string_view text) {
     const std::string line = fmt::format("{}{}: {}\n", line_clearer(), kind, printable(text));
     std::fwrite(line.data(), 1, line.size(), stderr);
+    if (redraw_line != nullptr) {
+        redraw_line();
+    }
+}
+
+void redraw_after_notices(void (*redraw)()) {
+    redraw_line = redraw;
 }
 
 int print_error(std::string_view text, int code) {

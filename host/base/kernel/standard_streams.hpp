@@ -21,6 +21,10 @@ std::string_view line_clearer();
 /// Prints "KIND: TEXT" on a line of its own on standard error, printable. kind  For example "note".
 void print_notice(std::string_view kind, std::string_view text);
 
+/// Sets what draws the cleared line again after a notice of the same thread: a prompt, while a
+/// person types. nullptr: nothing.
+void redraw_after_notices(void (*redraw)());
+
 /// Prints "error: TEXT" as print_notice() does. Returns `code`.
 int print_error(std::string_view text, int code);
 

@@ -57,7 +57,7 @@ fs::path find_run(const std::string& text, const fs::path& base) {
     }
     const fs::path recorded = newest_run(base, true);
     if (recorded.empty()) {
-        throw RequestError(ExitCode::usage,
+        throw RequestError(ExitCode::bad_data,
                            fmt::format("no recorded run under {}/; name a run, or record one: "
                                        "pxpl5 render ... --record full",
                                        base.string()));
@@ -65,7 +65,7 @@ fs::path find_run(const std::string& text, const fs::path& base) {
     const fs::path newest = newest_run(base, text == latest_recorded);
     if (newest != recorded) {
         throw RequestError(
-            ExitCode::usage,
+            ExitCode::bad_data,
             fmt::format("the newest run {} has no trace: run it again with --record full, or give "
                         "{} for {}",
                         newest.string(), latest_recorded, recorded.string()));
@@ -91,15 +91,15 @@ std::uint32_t one_frame(const RecordedRun& run, const SelectionText& text) {
     }
     if (selected.empty()) {
         const std::vector<std::uint32_t> all = run.frames();
-        throw RequestError(ExitCode::usage,
+        throw RequestError(ExitCode::bad_data,
                            all.empty() ? std::string("the run has no recorded frame")
                                        : fmt::format("the run has no such frame; it has {} to {}",
                                                      all.front(), all.back()));
     }
     if (selected.size() > 1 && !selection.frames.empty()) {
-        throw RequestError(ExitCode::usage, fmt::format("{} frames are selected; name one with "
-                                                        "--frame, e.g. --frame {}",
-                                                        selected.size(), selected.back()));
+        throw RequestError(ExitCode::bad_data, fmt::format("{} frames are selected; name one with "
+                                                           "--frame, e.g. --frame {}",
+                                                           selected.size(), selected.back()));
     }
     return selected.back();
 }

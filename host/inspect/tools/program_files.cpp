@@ -101,7 +101,7 @@ std::string read_to_end(const std::string& path, std::istream& from) {
     }
     if (content.size() > max_file_bytes) {
         refuse(path, fmt::format("more than {} bytes, which is the most that a program may have",
-                                 max_file_bytes));
+                                 grouped(max_file_bytes)));
     }
     return content;
 }
@@ -118,9 +118,13 @@ std::string read_file(const std::string& path) {
     std::error_code failure;
     const std::uintmax_t bytes = std::filesystem::file_size(path, failure);
     if (!failure && bytes > max_file_bytes) {
-        refuse(path, fmt::format("{} bytes; at most {} are read", bytes, max_file_bytes));
+        refuse(path, fmt::format("{} bytes; at most {} are read", grouped(bytes),
+                                 grouped(max_file_bytes)));
     }
     std::ifstream file(path, std::ios::binary);
+    if (!file.is_open()) {
+        refuse(path, std::strerror(errno));
+    }
     return read_to_end(path, file);
 }
 

@@ -42,10 +42,10 @@ LineSource source_of(const StepOptions& options, bool is_prompt) {
     if (is_prompt) {
         return lines_of_prompt();
     }
-    return commands_of([] {
+    return [] {
         std::string line;
         return std::getline(std::cin, line) ? std::optional(line) : std::nullopt;
-    });
+    };
 }
 
 /// Goes to the region that the selection names, if it names any.

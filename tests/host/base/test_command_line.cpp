@@ -5,6 +5,7 @@
 #include "host/base/command_line.hpp"
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
+#include "host/base/prompt.hpp"
 #include "host/commands/commands.hpp"
 
 using namespace pxpl5::host;
@@ -117,6 +118,8 @@ TEST_SUITE("host/command_line") {
         CHECK(parse_size("640x480", 1, 4096).height == 480);
         CHECK(contains(error_of([] { parse_size("640", 1, 4096); }), "'640'"));
         CHECK(contains(error_of([] { parse_size("1x9999", 1, 4096); }), "9999"));
+        CHECK(error_of([] { parse_size("0x7", 1, 4096); }) ==
+              "size: width: 0 is outside 1 .. 4096");
         CHECK(parse_color("#010203").b == 3);
         CHECK(parse_color("1,2,255").g == 2);
         CHECK(parse_color("white").r == 255);
@@ -149,4 +152,23 @@ TEST_SUITE("host/commands") {
     TEST_CASE("an unknown command is refused with the nearest name") {
         CHECK(contains(error_of([] { find_command("snapshit"); }), "did you mean 'snapshot'"));
     }
+}
+
+TEST_CASE("commands of a text are separated by ; and newlines outside quotes and comments") {
+    const auto commands = [](const std::string& text) {
+        std::string joined;
+        const LineSource next = lines_of_text(text);
+        for (std::optional<std::string> command; (command = next());) {
+            joined += "[" + *command + "]";
+        }
+        return joined;
+    };
+    CHECK(commands("") == "[]");
+    CHECK(commands("a;b\nc;") == "[a][b][c][]");
+    CHECK(commands("a 'x;y' \"p\nq\";b") == "[a 'x;y' \"p\nq\"][b]");
+    CHECK(commands("a # b; c\nd") == "[a # b; c][d]");
+    CHECK(commands("a;# b; c") == "[a][# b; c]");
+    CHECK(commands("a #") == "[a #]");
+    CHECK(commands("a #ff0000;b# c;d") == "[a #ff0000][b# c][d]");
+    CHECK(commands("a '# b';c") == "[a '# b'][c]");
 }

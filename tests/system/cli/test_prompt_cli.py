@@ -16,9 +16,12 @@ BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin"
 LIMIT_S = 120
 
 
+def signal_renderer(pid, number):
+    os.kill(next(node for node in children_of(pid) if name_of(node) == "pxpl5-renderer"), number)
+
+
 def kill_renderer(_, pid):
-    os.kill(next(node for node in children_of(pid) if name_of(node) == "pxpl5-renderer"),
-            signal.SIGKILL)
+    signal_renderer(pid, signal.SIGKILL)
 
 
 class Prompt(unittest.TestCase):
@@ -86,10 +89,41 @@ class Prompt(unittest.TestCase):
     def test_a_line_has_several_commands(self):
         code, screen = self.at_a_terminal(lambda terminal, _: os.write(
             terminal, b"load phantom:sphere; surface a iso=0.5  # a; surface b iso=0.6\n"
-                      b"surface c iso=0.7; surface d iso=0.8\nhistory; quit; remove a\n"))
+                      b"surface c iso=0.7; surface d iso=0.8;\nhistory; quit; remove a\n"))
         self.assertEqual(code, 0, screen)
         told = screen.split("history; quit; remove a", 1)[1]
         self.assertEqual(re.findall(r"\nsurface (\w)", told), ["a", "c", "d"], screen)
+
+    def test_a_line_ends_with_the_command_that_fails_or_is_canceled(self):
+        def act(terminal, _):
+            os.write(terminal, b"load phantom:heart; surface blood iso=70\n")
+            self.read_until(terminal, b"triangles")
+            os.write(terminal, b"orbit 2000; export left-out.ply\n")
+            self.read_until(terminal, b"(Ctrl-C cancels)")
+            os.write(terminal, b"\x03")
+            self.read_until(terminal, b"canceled")
+            os.write(terminal, b"nonsense; surface other iso=71\nexport made.ply\nhistory; quit\n")
+        code, screen = self.at_a_terminal(act)
+        self.assertEqual(code, 0, screen)
+        self.assertEqual([path.name for path in pathlib.Path(self.folder.name).glob("*.ply")],
+                         ["made.ply"])
+        self.assertNotIn("surface other", screen.split("history; quit", 1)[1])
+
+    def test_a_notice_leaves_the_typed_text(self):
+        def act(terminal, pid):
+            os.write(terminal, b"load phantom:sphere; vi")
+            self.read_until(terminal, b"; vi")
+            signal_renderer(pid, signal.SIGSTOP)
+            stopped = self.read_until(terminal, b"pxpl5> load phantom:sphere; vi")
+            self.assertIn(b"warning: renderer-0 (process ", stopped)
+            signal_renderer(pid, signal.SIGKILL)
+            killed = self.read_until(terminal, b"pxpl5> load phantom:sphere; vi")
+            self.assertIn(b"note: The machine runs again", killed)
+            os.write(terminal, b"ew 10 20; quit\n")
+        code, screen = self.at_a_terminal(act, "--set", "heartbeat.interval_ms=50", "--set",
+                                          "heartbeat.misses=1000")
+        self.assertEqual(code, 0, screen)
+        self.assertIn("distributed in", screen)
 
     def test_errors_and_warnings_begin_at_the_left_border(self):
         """They clear a progress bar, and ^C, which stand in their line."""
@@ -97,15 +131,13 @@ class Prompt(unittest.TestCase):
             os.write(terminal, b"load phantom:heart\nsurface blood iso=70\norbit 2000\n")
             self.read_until(terminal, b"(Ctrl-C cancels)")
             kill_renderer(terminal, pid)
-            screens.append(self.read_until(terminal, b"warning: renderer-0 was killed"))
-            screens.append(self.read_until(terminal, b"note: The machine runs again"))
+            restart = self.read_until(terminal, b"note: The machine runs again")
             os.write(terminal, b"\x03")
-            screens.append(self.read_until(terminal, b"error: "))
+            for word, screen in (("warning", restart), ("note", restart),
+                                 ("error", self.read_until(terminal, b"error: "))):
+                self.assertIn(f"\r\x1b[K{word}: ".encode(), screen)
             os.write(terminal, b"quit\n")
-        screens = []
         self.at_a_terminal(act)
-        for screen, word in zip(screens, (b"warning", b"note", b"error"), strict=True):
-            self.assertIn(b"\r\x1b[K" + word + b": ", screen)
 
     def test_a_node_killed_at_the_prompt_is_replaced(self):
         def kill(terminal, pid):

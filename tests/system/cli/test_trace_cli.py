@@ -222,7 +222,7 @@ class TraceCli(unittest.TestCase):
             file.truncate(1 << 30)
         done = self.pxpl5("asm", large)
         self.assertEqual(done.returncode, 65, done)
-        self.assertRegex(done.stderr, r"large: 1073741824 bytes; at most \d+ are read")
+        self.assertRegex(done.stderr, r"large: 1,073,741,824 bytes; at most [\d,]+ are read")
 
 
 if __name__ == "__main__":
