@@ -146,8 +146,7 @@ bus::NodeStatus RendererNode::status() const {
 
 bus::Doing RendererNode::doing() {
     if (!drawing_) {
-        return waiting_.empty() ? bus::Doing{}
-                                : bus::Doing{bus::Body::RegionPrograms, waiting_.begin()->first};
+        return {};
     }
     return {bus::Body::RegionPrograms, drawing_->plan.frame,
             static_cast<std::uint32_t>(drawing_->next_region),

@@ -68,7 +68,8 @@ class Node {
 
     virtual NodeStatus status() const { return {}; }
 
-    /// The work that work() continues.
+    /// The work that work() continues, also while the node waits within it; {} if there is none.
+    /// The loop asks before each piece of work and each wait, so the answer must be cheap.
     virtual Doing doing() { return {}; }
 };
 

@@ -215,7 +215,8 @@ std::optional<Heartbeat::Finding> Heartbeat::judge(Node& node, std::int64_t pass
                        fmt::format("{} (process {}) {}", node.process.name, node.process.pid, fact),
                        is_dead, is_stopped};
     };
-    const std::string work = work_text(now, name_of_surface_);
+    const std::string work =
+        node.process.is_io ? io_work_text(now) : work_text(now, name_of_surface_);
     if (settings_.stuck_s > 0 && node.still_ms >= ms_per_s * settings_.stuck_s) {
         return finding(fmt::format("is stuck: no progress for {} {}; heartbeat.stuck_s is {}",
                                    seconds(node.still_ms), work, settings_.stuck_s),

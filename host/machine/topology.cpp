@@ -294,9 +294,10 @@ std::filesystem::path find_named(const std::string& name) {
     std::sort(known.begin(), known.end());
     const std::vector<std::string_view> names(known.begin(), known.end());
     std::error_code error;
-    const bool is_file = std::filesystem::exists(name, error);
-    refuse(fmt::format("no topology '{}'{}{}", name, did_you_mean(name, names),
-                       is_file ? fmt::format(". The file of this name is ./{}", name) : ""));
+    const bool is_file = std::filesystem::is_regular_file(name, error);
+    refuse(fmt::format("no topology '{}'{}{}", name,
+                       is_file ? fmt::format(" (for the file, give ./{})", name) : "",
+                       did_you_mean(name, names)));
 }
 
 std::filesystem::path path_of(const std::string& name_or_path) {

@@ -237,7 +237,7 @@ int serve(const ServeOptions& options) {
                                  [&server](EndsSoon soon) { server.warn(std::move(soon)); });
         const MemoryWatch memory_watch(options.memory_limit, [&](const std::string& why) {
             memory_error = why;
-            print_notice("error", why);
+            print_error(why, 0);
             server.warn(EndsSoon{std::time(nullptr), why});
             kill(getpid(), SIGTERM);
         });

@@ -222,7 +222,7 @@ void ClassServer::start(const WantedSession& wanted) {
         running_.erase(wanted.number);
         first_error_ = error.what();
         classroom_.ended(wanted.number, sentence(error.what()));
-        print_notice("error", error.what());
+        print_error(error.what(), 0);
     }
 }
 

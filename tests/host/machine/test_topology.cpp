@@ -290,11 +290,20 @@ TEST_CASE("a machine is found by name or by path, and an unknown name lists the 
 }
 
 TEST_CASE("a file without a folder is named as such to whoever asks for a topology of its name") {
-    const std::string name = "pxpl5-note-" + std::to_string(getpid());
-    std::ofstream(name) << "text";
-    const std::string error = refusal([&name] { load_topology(name); });
-    std::filesystem::remove(name);
-    CHECK_MESSAGE(error.ends_with(". The file of this name is ./" + name), error);
+    const std::filesystem::path before = std::filesystem::current_path();
+    const auto folder = before / ("pxpl5-topology-" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder / "paper-1992");
+    std::filesystem::current_path(folder);
+    const std::string of_folder = refusal([] { load_topology("paper-1992"); });
+    std::filesystem::remove("paper-1992");
+    std::ofstream("paper-1992") << "text";
+    const std::string of_file = refusal([] { load_topology("paper-1992"); });
+    std::filesystem::current_path(before);
+    std::filesystem::remove_all(folder);
+    CHECK(of_folder == "no topology 'paper-1992'; did you mean 'paper-1993'?");
+    CHECK(of_file ==
+          "no topology 'paper-1992' (for the file, give ./paper-1992); did you mean "
+          "'paper-1993'?");
 }
 
 TEST_CASE("the heartbeat has defaults, is read from files and overrides, and is written back") {

@@ -185,7 +185,8 @@ class Restarts(unittest.TestCase):
             *policy("renderer", "replace", 0))
         self.assertEqual(code, 137)
         self.assertFalse(replies[-1]["ok"])
-        self.assertIn("renderer.restart.max is 0", complaint)
+        self.assertIn("renderer.restart.max is 0, and --set renderer.restart.max=N changes this",
+                      complaint)
 
     def test_a_dying_load_is_begun_again(self):
         """The load finds the death."""
