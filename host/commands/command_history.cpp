@@ -42,7 +42,7 @@ std::string write_device(const std::string& path, std::string_view text) {
     // O_NONBLOCK: opening a FIFO that no program reads would wait for ever.
     const int fd = open(path.c_str(), O_WRONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
     while (fd >= 0 && !text.empty()) {
-        const ssize_t written = write(fd, text.data(), text.size());
+        const ssize_t written = ::write(fd, text.data(), text.size());
         if (written < 0 && errno != EINTR) {
             break;
         }

@@ -13,6 +13,7 @@
 #include <iterator>
 #include <optional>
 
+#include "host/base/answer.hpp"
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
 #include "isa/assemble.hpp"
