@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <new>
 #include <string>
 
 namespace pxpl5::bus::trace::mcap {
@@ -60,6 +61,9 @@ struct FreeReadingContext {
 class Unpacker {
   public:
     explicit Unpacker(const Packed& chunk) : chunk_(chunk), context_(ZSTD_createDCtx()) {
+        if (!context_) {
+            throw std::bad_alloc();
+        }
         ZSTD_DCtx_setParameter(context_.get(), ZSTD_d_windowLogMax, max_window_log);
         if (!chunk_.is_compressed) {
             ready_ = chunk_.data;

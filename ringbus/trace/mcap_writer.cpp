@@ -211,6 +211,10 @@ void Writer::Parts::put_summary(Bytes& summary, std::uint64_t start) const {
 Writer::Writer(const std::filesystem::path& path, const Preamble& preamble)
     : parts_(std::make_unique<Parts>()) {
     parts_->path = path;
+    if (!parts_->context) {
+        throw TraceError(
+            fmt::format("cannot create trace {}: no memory to compress it", path.string()));
+    }
     // For the owner alone: a trace holds the voxels of a patient.
     parts_->file =
         ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0600);
@@ -264,7 +268,10 @@ void Writer::end_chunk() {
     const std::size_t size =
         ZSTD_compress2(parts.context.get(), parts.compressed.data(), parts.compressed.size(),
                        parts.chunk.data(), parts.chunk.size());
-    assert(ZSTD_isError(size) == 0);
+    if (ZSTD_isError(size) != 0) {  // The buffer is large enough, so that memory is short.
+        errno = ENOMEM;
+        parts.fail("compress");
+    }
     parts.compressed.resize(size);
     ChunkPlace place{parts.chunk_times, parts.offset, 0, {}, 0, size, parts.chunk.size()};
     parts.records.clear();

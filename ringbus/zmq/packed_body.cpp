@@ -28,6 +28,9 @@ std::optional<zmq::message_t> Packer::pack(std::span<const std::uint8_t> body) {
     if (!context_) {
         context_ = std::make_unique<Context>();
     }
+    if (context_->zstd == nullptr) {
+        return std::nullopt;  // Without memory to compress it, the body travels as it is.
+    }
     const std::size_t most = body.size() - body.size() / 10;
     zmq::message_t packed(most);
     const std::size_t size = ZSTD_compressCCtx(context_->zstd, packed.data(), most, body.data(),

@@ -28,7 +28,7 @@ class Packer {
     Packer(const Packer&) = delete;
     Packer& operator=(const Packer&) = delete;
 
-    /// The compressed bytes; nothing if they would save less than a tenth.
+    /// The compressed bytes; nothing if they would save less than a tenth, or without memory.
     std::optional<zmq::message_t> pack(std::span<const std::uint8_t> body);
 
   private:
