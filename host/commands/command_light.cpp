@@ -1,6 +1,7 @@
 // Commands about lights and what they meet.
 #include <fmt/format.h>
 
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,17 @@
 namespace pxpl5::host {
 
 namespace {
+
+/// The arrangement of lights of that name; empty if there is none.
+std::vector<Light> arrangement(std::string_view name) {
+    if (name == "two-point") {
+        return Scene{}.lights;
+    }
+    if (name == "three-point") {  // Key, fill, and a light from behind that shows the edges.
+        return {{-38, 42, 0.66}, {50, -5, 0.22}, {150, 35, 0.6}};
+    }
+    return {};
+}
 
 Reply describe_lights(const std::vector<Light>& lights) {
     Reply reply;
@@ -52,6 +64,14 @@ Reply run_light(Session& session, const Arguments& arguments) {
     }
     if (arguments.words[0] == "off") {
         lights.clear();
+        return describe_lights(lights);
+    }
+    if (const std::vector<Light> wanted = arrangement(arguments.words[0]); !wanted.empty()) {
+        if (arguments.words.size() > 1 || arguments.has("intensity")) {
+            refuse_command(fmt::format("light {}: takes no further words", arguments.words[0]));
+        }
+        check_light(session.scene.material, wanted);
+        lights = wanted;
         return describe_lights(lights);
     }
     const auto index =

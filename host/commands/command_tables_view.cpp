@@ -38,12 +38,14 @@ std::vector<Command> view_commands() {
          run_view},
         {{.name = "light",
           .help = "Sets directional light N relative to the viewer; without words, lists the "
-                  "lights.",
-          .words = {{"N", "N|off", "number of the light; off for all"},
+                  "lights. An arrangement replaces all: two-point, as at the start, or "
+                  "three-point, with a light from behind that shows the edges.",
+          .words = {{"N", "N|two-point|three-point|off",
+                     "number of the light; an arrangement; off for all"},
                     {"AZ", "AZ|off", "azimuth in degrees, or off"},
                     {"EL", "EL", "elevation in degrees"}},
           .options = {number_value("intensity", "I", 0, 4, "brightness")},
-          .forms = "[N AZ EL | N off | off]",
+          .forms = "[N AZ EL | N off | two-point | three-point | off]",
           .kind = CommandKind::setting,
           .subject_words = 1,
           .stage = RenderStage::look},

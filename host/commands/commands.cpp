@@ -29,7 +29,7 @@ CommandKind kind_of(const Arguments& arguments, CommandTable table) {
     const CommandKind kind = find_command(arguments.name, table).kind;
     const std::string last = arguments.words.empty() ? "" : arguments.words.back();
     const bool depends = last == "off" || last == "flip" || last == "next" || last == "previous" ||
-                         arguments.has("at");
+                         last == "two-point" || last == "three-point" || arguments.has("at");
     return kind == CommandKind::setting && depends ? CommandKind::action : kind;
 }
 

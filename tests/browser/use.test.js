@@ -213,6 +213,17 @@ test('light, material, background', async () => {
   const one = await after(page, () => byId('remove-light').click(),
                           (now, count) => now.lights.length === count, count);
   assert.equal(one.digest, blue.digest);
+  const three = await after(page, () => byId('lights-three-point').click(),
+                            now => now.lights.length === 3);
+  assert.deepEqual(three.state.lights[2],
+                   { azimuth_deg: 150, elevation_deg: 35, intensity: 0.6 });
+  const again = await after(page, () => byId('undo').click(),
+                            (now, count) => now.lights.length === count, count);
+  assert.equal(again.digest, blue.digest);
+  await after(page, () => byId('lights-three-point').click(), now => now.lights.length === 3);
+  const start = await after(page, () => byId('lights-two-point').click(),
+                            now => now.lights.length === 2);
+  assert.deepEqual(start.state.lights, before.lights);
   assert.equal(new Set([before, lit, dull, blue, two].map(each => each.digest)).size, 5);
 });
 

@@ -152,7 +152,7 @@ TEST_CASE("a machine that cannot be started again ends the program with the laun
     CHECK_THROWS_WITH_AS(
         stage.settle(),
         "no node can be started. The machine was started again 3 times for this work; "
-        "gp.restart.max is 3",
+        "gp.restart.max is 3, and --set gp.restart.max=N changes this",
         MachineError);
     CHECK(stage.launches == 1 + most_restarts);
     CHECK(stage.watchers.reply(1)["ok"] == false);
@@ -164,7 +164,8 @@ TEST_CASE("a machine that dies of each attempt at a command ends the program wit
     stage.watchers.does(1, "digest");
     CHECK_THROWS_WITH_AS(stage.settle(),
                          "gp-1 was killed by signal 9 (SIGKILL). The machine was started again 3 "
-                         "times for this work; gp.restart.max is 3",
+                         "times for this work; gp.restart.max is 3, and --set "
+                         "gp.restart.max=N changes this",
                          MachineError);
     CHECK(stage.launches == 1 + most_restarts);
 }

@@ -154,7 +154,7 @@ TEST_SUITE("host/commands") {
     }
 }
 
-TEST_CASE("commands of a text are separated by ; and newlines outside quotes and comments") {
+TEST_CASE("semicolons and newlines separate commands outside quotes and comments") {
     const auto commands = [](const std::string& text) {
         std::string joined;
         const LineSource next = lines_of_text(text);

@@ -54,6 +54,7 @@ TEST_SUITE("host/history") {
     TEST_CASE("what is switched off is an action: lights behind it are counted anew") {
         CHECK(kind_of(parse_line("light 1 20 30")) == CommandKind::setting);
         CHECK(kind_of(parse_line("light 1 off")) == CommandKind::action);
+        CHECK(kind_of(parse_line("light three-point")) == CommandKind::action);
         CHECK(kind_of(parse_line("clip off")) == CommandKind::action);
     }
 

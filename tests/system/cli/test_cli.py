@@ -129,6 +129,7 @@ class Cli(unittest.TestCase):
                 (["run", "--set", "gps=2"], "did you mean 'gp.count'?"),
                 (["info", ""], "the name of the volume is empty"),
                 (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
+                (["run", "-c", "light three-point 3"], "light three-point: takes no further words"),
                 (["run", "-c", "light 1"], "light 1: give azimuth and elevation, or off"),
                 (["help", "snapsot"], "did you mean 'snapshot'? 'help' lists the commands"),
                 (["render", "phantom:sphere", "-o", "x.jps"],

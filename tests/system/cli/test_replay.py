@@ -154,7 +154,7 @@ class Replay(unittest.TestCase):
     def test_wrong_command_lines_are_refused(self):
         for arguments, code, text in (
                 (("trace", "diff", "nowhere"), 64, "a second run"),
-                (("trace", "replay", "nowhere"), 64, "nowhere"),
+                (("trace", "replay", "nowhere"), 65, "nowhere"),
                 (("trace", "replay", "nowhere", "--executor", "slow"), 64, "executor 'slow'"),
                 (("trace", "shrink", "nowhere", "--executors", "fast"), 64, "give two executors")):
             done = self.pxpl5(*arguments)

@@ -74,10 +74,17 @@ class LightBall {
     /** @private */
     this.remove_ = h('button', {class: 'quiet', 'data-testid': 'remove-light',
       onclick: () => void app.connection.do(`light ${this.chosen_ + 1} off`)}, say`Remove`);
+    /** @type {(name: string, text: string, help: string) => HTMLElement} */
+    const arrange = (name, text, help) => h('button', {class: 'quiet', title: help,
+      'data-testid': `lights-${name}`,
+      onclick: () => void app.connection.do(`light ${name}`)}, text);
     root.append(h('div', {class: 'row'}, this.svg_,
       h('div', {class: 'grow'}, h('p', {class: 'muted'}, say`Drag a dot to move a light.`),
         h('label', {}, say`Intensity`, this.intensity_),
-        h('div', {class: 'row'}, this.add_, this.remove_))));
+        h('div', {class: 'row'}, this.add_, this.remove_),
+        h('div', {class: 'row'}, arrange('two-point', say`Key and fill`, say`Two lights in front, as
+          at the start`), arrange('three-point', say`With rim`, say`A third light from behind shows
+          the edges`)))));
     app.store.subscribe(['lights'], () => this.draw_());
   }
 
