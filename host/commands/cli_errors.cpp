@@ -108,6 +108,10 @@ std::optional<std::string> surplus_error(const CLI::App& app) {
         return std::nullopt;
     }
     const std::string& first = surplus.front();
+    if (first.starts_with("-") && inner.get_option_no_throw(first) != nullptr) {
+        return fmt::format("'{}' goes behind '{}', whose option it is: {} {}", first,
+                           inner.get_name(), usage_line(inner), first);
+    }
     if (first.starts_with("-")) {
         return fmt::format("{} has no option '{}'{}", inner.get_name(), first,
                            nearest_of(first, options_of(inner)));

@@ -116,9 +116,13 @@ std::string seconds(std::int64_t ms) {
 
 }  // namespace
 
+bool is_idle(const bus::PulseReading& pulse) {
+    return pulse.phase != Phase::receiving && pulse.doing.kind == Body::NONE;
+}
+
 std::string work_text(const bus::PulseReading& pulse, const NameOfSurface& name_of_surface) {
     const std::string_view verb = verb_of(pulse.doing.kind);
-    if (pulse.phase != Phase::receiving && pulse.doing.kind == Body::NONE) {
+    if (is_idle(pulse)) {
         return "while it waited for messages";
     }
     if (pulse.phase == Phase::receiving || verb.empty()) {
@@ -130,8 +134,7 @@ std::string work_text(const bus::PulseReading& pulse, const NameOfSurface& name_
 }
 
 std::string io_work_text(const bus::PulseReading& pulse) {
-    const bool is_idle = pulse.phase != Phase::receiving && pulse.doing.kind == Body::NONE;
-    return is_idle ? "while it had no request" : work_text(pulse, {});
+    return is_idle(pulse) ? "while it had no request" : work_text(pulse, {});
 }
 
 int Heartbeat::prepare(const std::string& name) {

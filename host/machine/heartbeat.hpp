@@ -18,6 +18,8 @@ namespace pxpl5::host {
 /// Returns the name of a surface, for example "bone"; empty if the id is unknown.
 using NameOfSurface = std::function<std::string(std::uint32_t id)>;
 
+/// Whether the node has nothing to do, and takes no message.
+bool is_idle(const bus::PulseReading& pulse);
 /// "while building surface 'bone' (slab 3 of 12)".
 std::string work_text(const bus::PulseReading& pulse, const NameOfSurface& name_of_surface);
 /// The same of an io process, which works on one request and has no surfaces.

@@ -77,6 +77,11 @@ IoFailure error_of(const IoDeath& io) {
                                 "with resample={}",
                                 fact, io.cpu_s, place)};
         default:
+            if (!io.has_request) {
+                return {ExitCode::unavailable,
+                        fmt::format("{}{}. The file is hardly the reason: repeat the command{}",
+                                    fact, said, place)};
+            }
             return {io.otherwise,
                     fmt::format("{}{}{}{}", fact, said,
                                 io.otherwise == ExitCode::bad_data

@@ -67,6 +67,7 @@ struct IoDeath {
     std::string said;   ///< The last line of the log; may be empty.
     std::filesystem::path log;
     MemoryLack memory = MemoryLack::unknown;
+    bool has_request = true;                  ///< The process had taken its request.
     int cpu_s = 0;                            ///< The limit of processor time.
     ExitCode otherwise = ExitCode::bad_data;  ///< The code if the death has no other cause.
 };

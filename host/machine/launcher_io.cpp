@@ -176,7 +176,11 @@ IoFailure Launcher::io_error(const Death& death) {
     IoDeath io;
     io.death = death;
     io.file = work_;
-    io.doing = cell == nullptr ? "" : io_work_text(cell->read());
+    if (cell != nullptr) {
+        const bus::PulseReading pulse = cell->read();
+        io.doing = io_work_text(pulse);
+        io.has_request = !is_idle(pulse);
+    }
     io.said = said;
     io.log = error ? log : kept;
     io.memory = memory_lack(io_.memory_kills, memory_kills());

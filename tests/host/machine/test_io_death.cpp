@@ -52,6 +52,16 @@ TEST_CASE("SIGKILL is blamed on memory only if the kernel says so") {
     CHECK(error_of(io).code == ExitCode::unavailable);
 }
 
+TEST_CASE("the file is not blamed for the crash of a process without a request") {
+    IoDeath io = death_by(SIGSEGV);
+    io.doing = "while it had no request";
+    io.has_request = false;
+    CHECK(text_of(io) ==
+          "scan.dcm: io-0 was killed by signal 11 (SIGSEGV) while it had no request. The file is "
+          "hardly the reason: repeat the command (log: io-0.log)");
+    CHECK(error_of(io).code == ExitCode::unavailable);
+}
+
 TEST_CASE("a crash names file, signal, work and the last words, and never memory") {
     IoDeath io = death_by(SIGSEGV);
     io.said = "words";

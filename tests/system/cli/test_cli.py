@@ -127,6 +127,8 @@ class Cli(unittest.TestCase):
                 (["run", "-c", "surface a threshold=0"], "did you mean 'iso'?"),
                 (["run", "-c", "load phantom:sphere; view front"], "did you mean 'anterior'?"),
                 (["run", "--set", "gps=2"], "did you mean 'gp.count'?"),
+                (["--json", "info", "phantom:sphere"],
+                 "'--json' goes behind 'info', whose option it is: pxpl5 info VOLUME"),
                 (["info", ""], "the name of the volume is empty"),
                 (["run", "-c", "surface a --iso 0"], "write iso=0, not --iso 0"),
                 (["run", "-c", "light three-point 3"], "light three-point: takes no further words"),
