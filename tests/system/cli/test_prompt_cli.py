@@ -91,7 +91,7 @@ class Prompt(unittest.TestCase):
             terminal, b"load phantom:sphere; surface a iso=0.5  # a; surface b iso=0.6\n"
                       b"surface c iso=0.7; surface d iso=0.8;\nhistory; quit; remove a\n"))
         self.assertEqual(code, 0, screen)
-        told = screen.split("history; quit; remove a", 1)[1]
+        told = screen.rsplit("history; quit; remove a", 1)[1]
         self.assertEqual(re.findall(r"\nsurface (\w)", told), ["a", "c", "d"], screen)
 
     def test_a_line_ends_with_the_command_that_fails_or_is_canceled(self):
@@ -107,7 +107,7 @@ class Prompt(unittest.TestCase):
         self.assertEqual(code, 0, screen)
         self.assertEqual([path.name for path in pathlib.Path(self.folder.name).glob("*.ply")],
                          ["made.ply"])
-        self.assertNotIn("surface other", screen.split("history; quit", 1)[1])
+        self.assertNotIn("surface other", screen.rsplit("history; quit", 1)[1])
 
     def test_a_notice_leaves_the_typed_text(self):
         def act(terminal, pid):
