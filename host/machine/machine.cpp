@@ -1,4 +1,5 @@
 #include "host/machine/machine.hpp"
+#include "host/machine/processes/kept_signals.hpp"
 
 #include <fmt/format.h>
 
@@ -68,6 +69,7 @@ std::vector<std::string> Machine::io_folders() const {
 
 void Machine::start_again(const NodeChange& change, int pause_ms) {
     Parts& parts = *parts_;
+    const KeptSignals kept_signals;
     if (parts.launcher) {
         parts.launcher->rest(pause_ms);
     }

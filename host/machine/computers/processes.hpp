@@ -11,7 +11,7 @@
 #include "host/machine/computers/engine.hpp"
 #include "host/machine/computers/poll_set.hpp"
 #include "host/machine/computers/remote_computers.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/supervisor.hpp"
 #include "host/machine/topology.hpp"
 
 namespace pxpl5::host {

@@ -14,7 +14,7 @@
 
 #include "host/machine/computers/join/letter.hpp"
 #include "host/machine/handshake.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/supervisor.hpp"
 #include "host/machine/topology.hpp"
 #include "ringbus/pulse.hpp"
 #include "ringbus/zmq/line.hpp"

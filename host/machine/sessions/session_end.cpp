@@ -11,8 +11,8 @@
 #include <cstring>
 
 #include "host/base/error.hpp"
+#include "host/machine/processes/supervisor.hpp"
 #include "host/machine/sessions/run_state.hpp"
-#include "host/machine/supervisor.hpp"
 
 namespace pxpl5::host {
 

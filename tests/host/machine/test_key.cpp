@@ -97,6 +97,17 @@ TEST_CASE("key: a key file is for its owner alone") {
           "cannot read the key file " + file.string() + ": No such file or directory");
 }
 
+TEST_CASE("key: a folder and a FIFO are named as such, before their mode") {
+    const TemporaryFolder folder("pxpl5-key-test");
+    const std::filesystem::path fifo = folder.path() / "fifo";
+    REQUIRE(mkfifo(fifo.c_str(), 0666) == 0);
+    for (const std::filesystem::path& path : {folder.path(), fifo}) {
+        CHECK(error_of_file(path) == "the key file " + path.string() +
+                                         " is a folder, a device or a FIFO: give a file that "
+                                         "'pxpl5 key' has made");
+    }
+}
+
 TEST_CASE("key: a file of root for one group is accepted, as Kubernetes mounts a Secret") {
     const TemporaryFolder folder("pxpl5-key-test");
     // Kubernetes changes all files of a Secret at once, by a link.

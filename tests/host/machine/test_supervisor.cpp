@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "host/machine/port.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/kept_signals.hpp"
+#include "host/machine/processes/supervisor.hpp"
 
 using namespace pxpl5::host;
 
@@ -158,6 +159,22 @@ TEST_CASE("SIGINT, SIGTERM and SIGHUP are counted, not obeyed") {
         CHECK(bench.supervisor.take_interrupt() == signal);
         CHECK(bench.supervisor.take_interrupt() == 0);
     }
+}
+
+TEST_CASE("signals between two supervisors are kept, and those that one has counted are not") {
+    const KeptSignals kept;
+    {
+        Bench bench;
+        ::kill(getpid(), SIGINT);
+        bench.supervisor.wait(-1, -1);
+        CHECK(bench.supervisor.take_interrupt() == SIGINT);
+        ::kill(getpid(), SIGHUP);  // Left to the next one.
+    }
+    ::kill(getpid(), SIGTERM);
+    Bench bench;
+    CHECK(bench.supervisor.take_interrupt() == SIGHUP);
+    CHECK(bench.supervisor.take_interrupt() == SIGTERM);
+    CHECK(bench.supervisor.take_interrupt() == 0);
 }
 
 TEST_CASE("waiting ends when the descriptor is readable, or in time") {

@@ -24,7 +24,7 @@
 #include "host/machine/computers/join/way.hpp"
 #include "host/machine/computers/poll_set.hpp"
 #include "host/machine/port.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/supervisor.hpp"
 #include "ringbus/process/process.hpp"
 #include "ringbus/pulse.hpp"
 #include "ringbus/zmq/line.hpp"

@@ -17,7 +17,7 @@
 #include "host/base/error.hpp"
 #include "host/base/kernel/owned_descriptor.hpp"
 #include "host/base/kernel/run_program.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/supervisor.hpp"
 
 namespace pxpl5::host {
 
@@ -174,6 +174,12 @@ bus::Credentials read_key_file(const std::filesystem::path& path) {
     if (file.fd < 0 || fstat(file.fd, &facts) != 0) {
         throw RequestError(ExitCode::usage, fmt::format("cannot read the key file {}: {}",
                                                         path.string(), std::strerror(errno)));
+    }
+    if (!S_ISREG(facts.st_mode)) {
+        throw RequestError(ExitCode::usage,
+                           fmt::format("the key file {} is a folder, a device or a FIFO: give a "
+                                       "file that 'pxpl5 key' has made",
+                                       path.string()));
     }
     if (is_open_to_others(facts)) {
         throw RequestError(

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "host/machine/port.hpp"
-#include "host/machine/supervisor.hpp"
+#include "host/machine/processes/supervisor.hpp"
 
 namespace pxpl5::host {
 
