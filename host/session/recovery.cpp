@@ -104,10 +104,13 @@ Recovery::Attempt Recovery::plan(const MachineError& death, int number,
         give_up(death);
     }
     if (number > rule.max) {
-        give_up(death, fmt::format("The machine was started again {} time{} for this work; "
-                                   "{}.restart.max is {}, and --set {}.restart.max=N changes this",
-                                   number - 1, number == 2 ? "" : "s", section_of(death.node),
-                                   rule.max, section_of(death.node)));
+        const std::string starts =
+            number == 1 ? ""
+                        : fmt::format("The machine was started again {} time{} for this work; ",
+                                      number - 1, number == 2 ? "" : "s");
+        give_up(death, fmt::format("{0}{1}.restart.max is {2}, and --set {1}.restart.max=N changes "
+                                   "this",
+                                   starts, section_of(death.node), rule.max));
     }
     Attempt next{death.node, death.what(), unfinished, pause_ms(rule, row_++), now_ns()};
     if (unfinished.gps == 0 && unfinished.renderers == 0) {

@@ -325,10 +325,16 @@ void Director::tell_restart(const std::string& text, bool is_over) {
     input_ns_ = parts_.clock_ns();
 }
 
-/// Tells the viewers why the program ends.
+/// Tells the viewers why the program ends, and saves the scene, which needs no machine.
 void Director::tell_end(const MachineError& death) {
-    if (!death.is_interruption) {
-        note("error", fmt::format("{}. The program ends.", death.what()));
+    if (death.is_interruption) {
+        return;
+    }
+    note("error", fmt::format("{}. The program ends.", death.what()));
+    if (!parts_.saved_session.empty()) {
+        end_.notice = EndNotice{};
+        end_.notice->why = death.what();
+        save_session();
     }
 }
 

@@ -229,6 +229,30 @@ class Serve(Case):
                          r"restored after \d+ ms$")
         self.assertEqual(program.stop()[0], 0)
 
+    def test_a_signal_during_a_restart_ends_the_program_as_at_any_time(self):
+        for number in (signal.SIGTERM, signal.SIGINT):
+            program = self.program("phantom:sphere")
+            (uploads,) = pathlib.Path(program.folder).glob("*/uploads")
+            (uploads / "scan.nii").write_bytes(b"x")
+            os.kill(program.nodes("pxpl5-gp")[0], signal.SIGKILL)
+            self.assertIn("The machine is started again", program.process.stderr.readline())
+            self.assertEqual(program.stop(number)[0], 0)
+            self.assertFalse(uploads.exists())
+
+    def test_the_session_is_saved_if_the_machine_cannot_be_started_again(self):
+        program = self.program("phantom:sphere", "--set", "renderer.restart.max=0")
+        viewer = self.viewer(program.url)
+        self.assertTrue(viewer.do("surface extra iso=300")["ok"])
+        os.kill(program.nodes("pxpl5-renderer")[0], signal.SIGKILL)
+        _, complaint = program.process.communicate(timeout=60)
+        self.assertEqual(program.process.returncode, 128 + signal.SIGKILL, complaint)
+        (saved,) = re.findall(r"note: the session is saved in (\S+)\. Open it again with: "
+                              r"pxpl5 serve --session \1\n", complaint)
+        self.assertIn("renderer.restart.max is 0", complaint.splitlines()[-1])
+        again = self.program("--session", saved)
+        surfaces = self.viewer(again.url).until(lambda m: "state" in m)["state"]["surfaces"]
+        self.assertIn("extra", [surface["name"] for surface in surfaces])
+
     def test_no_socket_of_the_server_is_open_in_a_node(self):
         """Also after a restart, when viewers are connected."""
         def sockets(pid):
