@@ -17,6 +17,9 @@ TextOutput::TextOutput(const std::string& path) : path_(path == "-" ? "" : path)
     const std::filesystem::file_status there = std::filesystem::status(path_, unknown);
     if (path_.empty() ||
         (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))) {
+        if (!path_.empty() && there.type() == std::filesystem::file_type::fifo) {
+            fail("it is a FIFO, not a file: give the name of a file, or - for standard output");
+        }
         stream_.reset(path_.empty() ? stdout : std::fopen(path_.c_str(), "wb"));
         check(stream_ != nullptr);
     } else if (file_.emplace(path_); file_->has_failed()) {

@@ -7,6 +7,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -124,6 +125,8 @@ class PromptCommand {
     ProgressBar bar_;
 };
 
+constexpr int interrupted_code = 128 + SIGINT;  // As of a shell.
+
 /// Runs the lines of one script.
 class Script {
   public:
@@ -161,6 +164,13 @@ class Script {
             return arguments.name.empty() || (!is_quit(arguments) && run(arguments));
         } catch (const OutputLost&) {
             throw;  // No later answer can be written either.
+        } catch (const Canceled& canceled) {
+            if (options_.is_prompt) {
+                return fail(canceled.what(), canceled.code, nullptr);
+            }
+            fail("interrupted by SIGINT", static_cast<ExitCode>(interrupted_code), nullptr);
+            exit_code_ = interrupted_code;
+            return false;
         } catch (const RequestError& error) {
             return fail(error.what(), error.code, nullptr);
         } catch (const MachineError& death) {

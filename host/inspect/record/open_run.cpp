@@ -51,7 +51,13 @@ std::vector<fs::path> trace_files(const fs::path& path) {
 }  // namespace
 
 RecordedRun RecordedRun::open(const fs::path& path) {
-    const std::vector<fs::path> files = trace_files(path);
+    std::vector<fs::path> files;
+    try {
+        files = trace_files(path);
+    } catch (const fs::filesystem_error& error) {
+        throw RequestError(ExitCode::bad_data, fmt::format("{}: cannot be read: {}", path.string(),
+                                                           error.code().message()));
+    }
     if (files.empty()) {
         const std::string reason = !fs::exists(path) ? "there is no such run"
                                    : fs::is_directory(path)

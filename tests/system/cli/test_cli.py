@@ -330,6 +330,17 @@ class Cli(unittest.TestCase):
             self.assert_killed_by_the_host(child, nodes, 128 + number, "interrupted by " +
                                            signal.Signals(number).name)
 
+    def test_ctrl_c_in_a_load_ends_a_script(self):
+        child, nodes = self.start("one-of-each")
+        gp = next(pid for pid in nodes if name_of(pid) == "pxpl5-gp")
+        os.kill(gp, signal.SIGSTOP)
+        child.stdin.write("load phantom:head\nload phantom:letters\n")
+        child.stdin.flush()
+        self.assertIn("warning: gp-0", child.stderr.readline())
+        child.send_signal(signal.SIGINT)
+        os.kill(gp, signal.SIGCONT)
+        self.assert_killed_by_the_host(child, nodes, 128 + signal.SIGINT, "interrupted by SIGINT")
+
     def test_a_node_killed_while_the_host_waits_for_a_line_ends_the_run(self):
         child, nodes = self.start("one-of-each")
         os.kill(next(pid for pid in nodes if name_of(pid) == "pxpl5-gp"), signal.SIGKILL)

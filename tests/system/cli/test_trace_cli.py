@@ -217,6 +217,12 @@ class TraceCli(unittest.TestCase):
                              (self.path("absent"), "there is no such run")):
             done = self.pxpl5("trace", "ls", word)
             self.assertEqual((done.returncode, done.stderr), (65, f"error: {word}: {reason}\n"))
+        done = self.pxpl5("trace", "ls", "x" * 300)
+        self.assertEqual((done.returncode, done.stderr),
+                         (65, f"error: {'x' * 300}: cannot be read: File name too long\n"))
+        done = self.pxpl5("asm", "-o", fifo, "-", input="NOP\n")
+        self.assertEqual(done.returncode, 1, done)
+        self.assertIn("fifo: it is a FIFO, not a file", done.stderr)
         large = self.path("large")
         with open(large, "wb") as file:
             file.truncate(1 << 30)
