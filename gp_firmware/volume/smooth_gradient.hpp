@@ -62,8 +62,9 @@ class RowsAround {
 };
 
 /// Returns the gradient from the columns at x - 1, x and x + 1. At the border, the column outside
-/// the volume repeats the border column. store  Makes a component of a gradient from a weighted
-/// sum.
+/// the volume repeats the border column.
+///
+/// store  Makes a component of a gradient from a weighted sum.
 template <class Store>
 Gradient smooth_gradient(const GradientColumn& before, const GradientColumn& here,
                          const GradientColumn& after, bool is_at_border, Store store) {

@@ -4,6 +4,8 @@
 #include <histedit.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -62,7 +64,11 @@ struct Prompt {
         redraw_after_notices(nullptr);
         if (failure) {
             const LineInfo* const typed = el_line(line);
-            unfinished.assign(typed->buffer, typed->lastchar);
+            // A search in the history puts its pattern behind a newline, which would run the line.
+            unfinished.assign(typed->buffer,
+                              std::find_if(typed->buffer, typed->lastchar, [](char c) {
+                                  return std::iscntrl(static_cast<unsigned char>(c)) != 0;
+                              }));
             std::fputc('\n', stdout);  // The cursor stands behind the prompt.
             std::rethrow_exception(std::exchange(failure, nullptr));
         }

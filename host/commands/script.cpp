@@ -125,7 +125,7 @@ class PromptCommand {
     ProgressBar bar_;
 };
 
-constexpr int interrupted_code = 128 + SIGINT;  // As of a shell.
+constexpr int interrupted_code = 128 + SIGINT;  // The code that shells give.
 
 /// Runs the lines of one script.
 class Script {

@@ -57,6 +57,11 @@ IoFailure error_of(const IoDeath& io) {
     const std::string fact =
         fmt::format("{}: {}{}{}", io.file, io.death.text(), io.doing.empty() ? "" : " ", io.doing);
     const std::string said = io.said.empty() ? "" : ": " + io.said;
+    if (!io.has_request && io.death.signal != SIGKILL && io.death.signal != SIGSYS) {
+        return {ExitCode::unavailable,
+                fmt::format("{}{}. The file is hardly the reason: repeat the command{}", fact, said,
+                            place)};
+    }
     switch (io.death.signal) {
         case 0:
             break;
@@ -77,11 +82,6 @@ IoFailure error_of(const IoDeath& io) {
                                 "with resample={}",
                                 fact, io.cpu_s, place)};
         default:
-            if (!io.has_request) {
-                return {ExitCode::unavailable,
-                        fmt::format("{}{}. The file is hardly the reason: repeat the command{}",
-                                    fact, said, place)};
-            }
             return {io.otherwise,
                     fmt::format("{}{}{}{}", fact, said,
                                 io.otherwise == ExitCode::bad_data

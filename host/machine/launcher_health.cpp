@@ -30,12 +30,6 @@ struct Step {
 };
 constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, killed_ms}};
 
-MachineError interruption(int signal) {
-    MachineError error(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
-    error.is_interruption = true;
-    return error;
-}
-
 }  // namespace
 
 void Launcher::allow_cancel(bool allowed) {

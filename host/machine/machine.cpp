@@ -1,13 +1,15 @@
 #include "host/machine/machine.hpp"
-#include "host/machine/processes/kept_signals.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
+#include <optional>
 #include <utility>
 
 #include "host/machine/computers/cluster_settings.hpp"
 #include "host/machine/launcher.hpp"
+#include "host/machine/processes/kept_signals.hpp"
 
 namespace pxpl5::host {
 
@@ -26,6 +28,8 @@ struct Machine::Parts {
     std::unique_ptr<Launcher> launcher;
     std::shared_ptr<Processes> kept;  ///< The computers of the machine before, for the next.
     MachineError lost{ExitCode::unavailable, "the machine has not started"};
+    /// From the begin of a restart until a launcher runs again.
+    std::optional<KeptSignals> kept_signals;
     std::vector<bus::NodeId> gps, renderers, frame_buffers;
     bool cancels_on_interrupt = false;
     int watched_fd = -1;
@@ -40,7 +44,18 @@ struct Machine::Parts {
         return *launcher;
     }
     void start(const Topology& plan);
+    void end_if_interrupted();
 };
+
+/// Throws an interruption if a signal came while there was no launcher.
+void Machine::Parts::end_if_interrupted() {
+    if (launcher || !kept_signals) {
+        return;
+    }
+    if (const std::deque<int> signals = kept_signals->take(); !signals.empty()) {
+        throw interruption(signals.front());
+    }
+}
 
 void Machine::Parts::start(const Topology& plan) {
     launcher = std::make_unique<Launcher>(plan, options, kept);
@@ -69,7 +84,10 @@ std::vector<std::string> Machine::io_folders() const {
 
 void Machine::start_again(const NodeChange& change, int pause_ms) {
     Parts& parts = *parts_;
-    const KeptSignals kept_signals;
+    if (!parts.kept_signals) {
+        parts.kept_signals.emplace();
+    }
+    parts.end_if_interrupted();
     if (parts.launcher) {
         parts.launcher->rest(pause_ms);
     }
@@ -91,11 +109,14 @@ void Machine::start_again(const NodeChange& change, int pause_ms) {
     try {
         parts.start(plan);
     } catch (const MachineError&) {
+        parts.end_if_interrupted();
         throw;
     } catch (const std::exception& error) {
+        parts.end_if_interrupted();
         parts.lost = {ExitCode::unavailable, error.what()};
         throw parts.lost;
     }
+    parts.kept_signals.reset();
     parts.topology = std::move(plan);
     parts.launcher->watch(parts.watched_fd, parts.give_up);
     parts.launcher->cancel_on_interrupt(parts.cancels_on_interrupt);

@@ -26,7 +26,8 @@ struct MeasureOptions {
     bool pairs = false;  ///< Whether a frame is drawn for both eyes.
     /// Folder for pictures; none if empty. They are shaded with smooth gradients.
     std::string pictures;
-    /// Called before each row, and before its picture. done  Rows, then rows and pictures.
+    /// Called before each row, and before its picture. done  The rows, and then the pictures,
+    /// before it.
     std::function<void(std::size_t done, const Source& source)> progress;
 };
 

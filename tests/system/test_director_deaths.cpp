@@ -1,10 +1,14 @@
 // The director when something goes wrong: commands that fail, loads given up, machines that die.
 #include <doctest/doctest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 #include <system_error>
 #include <vector>
 
+#include "host/base/state_folder.hpp"
 #include "tests/system/theatre.hpp"
 
 using namespace pxpl5;
@@ -156,6 +160,25 @@ TEST_CASE("a machine that cannot be started again ends the program with the laun
         MachineError);
     CHECK(stage.launches == 1 + most_restarts);
     CHECK(stage.watchers.reply(1)["ok"] == false);
+}
+
+TEST_CASE("the session of before the restarts is saved if none succeeds, and else is not kept") {
+    const TemporaryFolder folder("pxpl5-saved-test");
+    const std::filesystem::path saved = folder.path() / "saved" / "run.pxpl5";
+    Theatre stage(0, saved);
+    stage.watchers.does(1, "surface extra iso=300");
+    stage.settle();
+    stage.dies = true;
+    stage.watchers.does(2, "digest");
+    stage.settle();
+    CHECK(stage.watchers.reply(2)["ok"] == true);
+    CHECK_FALSE(std::filesystem::exists(saved));
+    stage.dies = stage.dies_always = true;  // Also while the volume is given again.
+    stage.watchers.does(3, "digest");
+    CHECK_THROWS_AS(stage.settle(), MachineError);
+    std::ifstream file(saved);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    CHECK_MESSAGE(text.find("\nsurface extra ") != std::string::npos, text);
 }
 
 TEST_CASE("a machine that dies of each attempt at a command ends the program with its error") {

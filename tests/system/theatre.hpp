@@ -4,6 +4,7 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -108,11 +109,13 @@ struct Theatre {
     int failing_launches = 0;      ///< Number of launches that will fail.
     bool dies_always = false;      ///< Each further machine dies, too.
     double idle_limit_ms = 0;
+    std::filesystem::path saved_session;  ///< See DirectorParts.
     std::shared_ptr<MortalMachine> machine;
     Director director{watchers, parts()};
 
     /// its_idle_limit_ms  See DirectorParts.
-    explicit Theatre(double its_idle_limit_ms = 0) : idle_limit_ms(its_idle_limit_ms) {
+    explicit Theatre(double its_idle_limit_ms = 0, std::filesystem::path its_saved_session = {})
+        : idle_limit_ms(its_idle_limit_ms), saved_session(std::move(its_saved_session)) {
         director.session().scene.overlay = false;
         director.open("size 128x96");
         director.open("load phantom:sphere");
@@ -133,6 +136,7 @@ struct Theatre {
         };
         parts.clock_ns = [this] { return now_ns; };
         parts.idle_limit_ms = idle_limit_ms;
+        parts.saved_session = saved_session;
         parts.moving_triangles = 1000;  // Fewer than the sphere has.
         const auto launch = [this] {
             ++launches;

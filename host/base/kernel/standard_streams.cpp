@@ -56,7 +56,7 @@ std::string_view line_clearer() {
 void print_notice(std::string_view kind, std::string_view text) {
     const std::string line = fmt::format("{}{}: {}\n", line_clearer(), kind, printable(text));
     std::fwrite(line.data(), 1, line.size(), stderr);
-    if (redraw_line != nullptr) {
+    if (redraw_line != nullptr && isatty(STDERR_FILENO) != 0) {
         redraw_line();
     }
 }

@@ -91,15 +91,15 @@ std::uint32_t one_frame(const RecordedRun& run, const SelectionText& text) {
     }
     if (selected.empty()) {
         const std::vector<std::uint32_t> all = run.frames();
-        throw RequestError(ExitCode::bad_data,
+        throw RequestError(ExitCode::usage,
                            all.empty() ? std::string("the run has no recorded frame")
                                        : fmt::format("the run has no such frame; it has {} to {}",
                                                      all.front(), all.back()));
     }
     if (selected.size() > 1 && !selection.frames.empty()) {
-        throw RequestError(ExitCode::bad_data, fmt::format("{} frames are selected; name one with "
-                                                           "--frame, e.g. --frame {}",
-                                                           selected.size(), selected.back()));
+        throw RequestError(ExitCode::usage, fmt::format("{} frames are selected; name one with "
+                                                        "--frame, e.g. --frame {}",
+                                                        selected.size(), selected.back()));
     }
     return selected.back();
 }

@@ -1,7 +1,7 @@
 #include "host/machine/processes/kept_signals.hpp"
 
-#include <array>
-#include <csignal>
+#include <fmt/format.h>
+
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -13,6 +13,12 @@ namespace pxpl5::host {
 namespace {
 
 KeptSignals* current_signals = nullptr;
+
+[[noreturn]] void fail_to_keep(int error) {
+    throw MachineError(
+        static_cast<int>(ExitCode::unavailable),
+        fmt::format("cannot watch signals during a restart: {}", uv_strerror(error)));
+}
 
 }  // namespace
 
@@ -33,7 +39,7 @@ struct KeptSignals::Parts {
 KeptSignals::KeptSignals() : parts_(std::make_unique<Parts>()) {
     int error = uv_loop_init(&parts_->loop);
     if (error != 0) {
-        throw MachineError(static_cast<int>(ExitCode::unavailable), uv_strerror(error));
+        fail_to_keep(error);
     }
     parts_->loop.data = parts_.get();
     error = watch_end_signals(parts_->loop, parts_->signals, [](uv_signal_t* handle, int number) {
@@ -41,7 +47,7 @@ KeptSignals::KeptSignals() : parts_(std::make_unique<Parts>()) {
     });
     if (error != 0) {
         parts_->close();
-        throw MachineError(static_cast<int>(ExitCode::unavailable), uv_strerror(error));
+        fail_to_keep(error);
     }
     current_signals = this;
 }

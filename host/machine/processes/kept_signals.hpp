@@ -7,7 +7,8 @@
 namespace pxpl5::host {
 
 /// While it exists, SIGINT, SIGTERM and SIGHUP do not end this process: without a Supervisor they
-/// would, and nothing would be saved or removed. One exists at a time, in the Supervisors' thread.
+/// would, and nothing would be saved or removed. One exists at a time, in the Supervisors' thread;
+/// all other threads block these signals.
 class KeptSignals {
   public:
     /// Throws MachineError (69).

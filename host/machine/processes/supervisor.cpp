@@ -106,6 +106,12 @@ int Death::code() const {
     return signal != 0 ? 128 + signal : exit_code != 0 ? exit_code : unavailable;
 }
 
+MachineError interruption(int signal) {
+    MachineError error(128 + signal, fmt::format("interrupted by SIG{}", sigabbrev_np(signal)));
+    error.is_interruption = true;
+    return error;
+}
+
 struct Supervisor::Parts {
     uv_loop_t loop{};
     EndSignals signals{};

@@ -10,6 +10,11 @@
 
 namespace pxpl5::host {
 
+struct MachineError;
+
+/// The end of the machine, or of a join, by a signal to this process.
+MachineError interruption(int signal);
+
 /// How a process ended.
 struct Death {
     std::string name;

@@ -125,6 +125,10 @@ class Director {
     bool is_save_due() const;
     double idle_left_ms() const;
     bool warn_of_idle_end();
+    void write_session(EndNotice& notice);
+    void keep_session();
+    void drop_kept_session();
+    void tell_kept_session(const std::string& why);
     void save_session();
     bool put_back(const History& history, const Scene& scene);
     void start();
@@ -219,7 +223,8 @@ class Director {
     std::int64_t machine_text_ns_ = 0;
     struct End {
         std::string lost;                 ///< Why the server has ended; empty while it runs.
-        std::optional<EndNotice> notice;  ///< The program will be ended from outside.
+        std::optional<EndNotice> notice;  ///< The program ends soon, and why.
+        EndNotice kept;  ///< The session as it was before the restart that may fail.
         std::uint32_t saved_revision = 0;
         std::int64_t used_ns = 0;      ///< Time when a driver joined, commanded or asked.
         bool is_because_idle = false;  ///< The notice announces the idle limit.

@@ -309,6 +309,7 @@ void Director::tell_restart(const std::string& text, bool is_over) {
     }
     if (!is_over) {
         if (!is_restarting_) {
+            keep_session();
             busy_before_ = std::exchange(busy_, "starting the machine again");
         }
         is_restarting_ = true;
@@ -316,6 +317,7 @@ void Director::tell_restart(const std::string& text, bool is_over) {
         return;
     }
     is_restarting_ = false;
+    drop_kept_session();
     busy_ = std::exchange(busy_before_, "");
     end_progress();
     session_->recovery.take_restarts();
@@ -331,11 +333,10 @@ void Director::tell_end(const MachineError& death) {
         return;
     }
     note("error", fmt::format("{}. The program ends.", death.what()));
-    if (!parts_.saved_session.empty()) {
-        end_.notice = EndNotice{};
-        end_.notice->why = death.what();
-        save_session();
+    if (!is_restarting_) {
+        keep_session();
     }
+    tell_kept_session(death.what());
 }
 
 }  // namespace pxpl5::host::serve

@@ -6,6 +6,7 @@
 #include <ctime>
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "host/base/error.hpp"
 #include "host/machine/run_folder.hpp"
@@ -79,11 +80,8 @@ bool Director::is_save_due() const {
     return end_.notice && end_.saved_revision != revision_ && since_ms(input_ns_) >= rest_ms;
 }
 
-/// Writes the scene as a script, again after each change.
-void Director::save_session() {
-    end_.saved_revision = revision_;
-    EndNotice& notice = *end_.notice;
-    const EndNotice before = notice;
+/// Writes the scene as a script. Names the file, or the problem, in `notice`.
+void Director::write_session(EndNotice& notice) {
     try {
         make_private_folder(parts_.saved_session.parent_path());
         const Arguments save{"history", {parts_.saved_session.string()}, {{"form", "scene"}}};
@@ -98,6 +96,48 @@ void Director::save_session() {
     } catch (const std::exception& error) {
         notice.problem = fmt::format("The session cannot be saved: {}", error.what());
     }
+}
+
+/// Saves the session before a restart, which may fail and lose the scene. Without contents, as in a
+/// load, there is no scene to save.
+void Director::keep_session() {
+    const bool has_contents =
+        session_->volumes.has_volume() || session_->volumes.archive() != nullptr;
+    if (has_contents && !parts_.saved_session.empty()) {
+        write_session(end_.kept);
+    }
+}
+
+/// Removes the file of keep_session(), unless the user has been told of it.
+void Director::drop_kept_session() {
+    if (!std::exchange(end_.kept, {}).saved.empty() &&
+        (!end_.notice || end_.notice->saved.empty())) {
+        std::error_code ignored;
+        std::filesystem::remove(parts_.saved_session, ignored);
+    }
+}
+
+/// Tells where the session of keep_session() is, because the program ends.
+void Director::tell_kept_session(const std::string& why) {
+    if (end_.kept.saved.empty() && end_.kept.problem.empty()) {
+        return;
+    }
+    end_.notice = end_.kept;
+    end_.notice->why = why;
+    if (!end_.notice->problem.empty()) {
+        note("error", end_.notice->problem);
+    }
+    if (parts_.tell_end_notice) {
+        parts_.tell_end_notice(*end_.notice);
+    }
+}
+
+/// Saves the session, again after each change.
+void Director::save_session() {
+    end_.saved_revision = revision_;
+    EndNotice& notice = *end_.notice;
+    const EndNotice before = notice;
+    write_session(notice);
     if (notice.saved == before.saved && notice.problem == before.problem) {
         return;
     }

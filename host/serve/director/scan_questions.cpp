@@ -13,6 +13,7 @@
 #include "host/base/error.hpp"
 #include "host/base/json_depth.hpp"
 #include "host/base/kernel/run_program.hpp"
+#include "host/base/kernel/signals_blocked.hpp"
 #include "host/base/reply.hpp"
 #include "host/serve/director/inspector.hpp"
 
@@ -185,6 +186,7 @@ bool ScanQuestions::ask(std::uint32_t viewer, std::uint32_t id, std::string_view
     }
     parts_.check(question[1]);
     stop();
+    const SignalsBlocked blocked;
     thread_ = std::thread([this, viewer, id, question] { answer(viewer, id, question); });
     return true;
 }

@@ -9,7 +9,7 @@
 
 namespace pxpl5::host::serve {
 
-/// The end of the program that something outside of it will cause.
+/// The end of the program that is known before it comes.
 struct EndNotice {
     std::string at, why;  ///< See EndState in page_schema.fbs.
     std::string saved;    ///< File of the session; empty if it is not saved.

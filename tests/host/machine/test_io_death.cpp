@@ -60,6 +60,8 @@ TEST_CASE("the file is not blamed for the crash of a process without a request")
           "scan.dcm: io-0 was killed by signal 11 (SIGSEGV) while it had no request. The file is "
           "hardly the reason: repeat the command (log: io-0.log)");
     CHECK(error_of(io).code == ExitCode::unavailable);
+    io.death = {"io-0", 1, 0};
+    CHECK(error_of(io).code == ExitCode::unavailable);
 }
 
 TEST_CASE("a crash names file, signal, work and the last words, and never memory") {

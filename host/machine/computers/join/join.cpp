@@ -149,7 +149,7 @@ void Joined::introduce(const JoinOptions& options) {
             return;
         }
         if (const int signal = supervisor_.take_interrupt(); signal != 0) {
-            throw interruption(signal);
+            throw join_interruption(signal);
         }
         wait(end_ms - now_ms());
     }

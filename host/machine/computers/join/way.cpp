@@ -194,7 +194,7 @@ Addresses parse_addresses(const std::string& text) {
     return addresses;
 }
 
-MachineError interruption(int signal) {
+MachineError join_interruption(int signal) {
     MachineError error(128 + signal, "interrupted before the host answered");
     error.is_interruption = true;
     return error;
@@ -208,7 +208,7 @@ Way await_way(const std::string& addresses, std::int64_t end_ms, Supervisor& sup
     Names names;
     for (;;) {
         if (const int signal = supervisor.take_interrupt(); signal != 0) {
-            throw interruption(signal);
+            throw join_interruption(signal);
         }
         if (auto way = look(to, names, reason)) {
             return *way;

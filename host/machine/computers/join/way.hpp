@@ -32,7 +32,7 @@ struct Way {
 };
 
 /// The end of `pxpl5 join` by a signal before it takes part in a machine.
-MachineError interruption(int signal);
+MachineError join_interruption(int signal);
 
 /// Tries all addresses at the same time, and again until one answers. Names are looked up each
 /// time: a name may become known later, and may change its address.
