@@ -30,6 +30,13 @@ async function axeFinds(page, part, options = {}, least = 5) {
     `${id}: ${help}: ${html.slice(0, 160)} ${any[0]?.message ?? ''}`));
 }
 
+/** Resizes the window and waits until the page has taken it, which it does with its next frames. */
+async function resize(page, width, height) {
+  await page.setViewportSize({ width, height });
+  await page.evaluate(() =>
+    new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done))));
+}
+
 /** The color of the panels, as a level from 0 to 255. */
 function panelLevel(page) {
   return page.locator('#bar').evaluate(bar =>
@@ -45,7 +52,7 @@ function panelLevel(page) {
  */
 async function lookEverywhere(page, found, where, part = 'html') {
   for (const [width, height] of SIZES) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     const note = (faults, theme) => faults.forEach(fault =>
       found.set(fault, found.get(fault) ?? `${where}, ${width} x ${height}, ${theme}`));
     // Themes differ in colors alone, and sizes hardly in colors: 390 and 1280 px have both themes
@@ -72,7 +79,7 @@ test('axe-core finds nothing on any tab, layout, menu or dialog, whatever the th
   await settled(page);
   const found = new Map();
   for (const tab of await page.getByRole('tab').all()) {
-    await page.setViewportSize({ width: 1280, height: 720 });
+    await resize(page, 1280, 720);
     await tab.click();
     await settled(page);
     const name = await tab.innerText();
@@ -85,7 +92,7 @@ test('axe-core finds nothing on any tab, layout, menu or dialog, whatever the th
   }
   await page.keyboard.press('7');
   for (const [width, height] of SIZES) {
-    await page.setViewportSize({ width, height });
+    await resize(page, width, height);
     await page.getByTestId('view-menu').click();
     for (const fault of await axeFinds(page, '#bar')) found.set(fault, `menu, ${width} px`);
     await page.keyboard.press('Escape');
@@ -96,7 +103,7 @@ test('axe-core finds nothing on any tab, layout, menu or dialog, whatever the th
     await lookEverywhere(page, found, `dialog-${name}`, 'dialog[open]');
     await page.keyboard.press('Escape');
   }
-  await page.setViewportSize({ width: 1280, height: 720 });
+  await resize(page, 1280, 720);
   await page.getByTestId('size-menu').selectOption('');  // As the next page has it.
   await settled(page);
   assert.deepEqual([...found].map(([fault, where]) => `${where}: ${fault}`), []);

@@ -235,7 +235,8 @@ class Serve(Case):
             (uploads,) = pathlib.Path(program.folder).glob("*/uploads")
             (uploads / "scan.nii").write_bytes(b"x")
             os.kill(program.nodes("pxpl5-gp")[0], signal.SIGKILL)
-            self.assertIn("The machine is started again", program.process.stderr.readline())
+            self.assertTrue(any("The machine is started again" in line
+                                for line in program.process.stderr))
             self.assertEqual(program.stop(number)[0], 0)
             self.assertFalse(uploads.exists())
 
