@@ -90,6 +90,19 @@ test('Backspace goes to the folder above and stays on where it came from', async
   assert.equal(await page.locator('[aria-selected=true] .name').innerText(), 'many');
 });
 
+test('a folder that is chosen while the dialog opens stays', async () => {
+  await browse('knee');
+  await page.keyboard.press('Escape');
+  await byId('open').waitFor({ state: 'hidden' });
+  await page.evaluate(() => {
+    document.querySelector('[data-testid=open-panel]').click();
+    document.querySelector('[data-testid=browse-up]').click();
+  });
+  await page.waitForFunction(() =>
+    document.querySelector('[data-testid=browse-path]').textContent.endsWith('/scans'));
+  await entry('knee').waitFor();
+});
+
 test('a folder of DICOM opens by its path', async () => {
   await browse('ct');
   assert.equal(await byId('open-path').inputValue(), path.join(scans, 'ct'));

@@ -88,8 +88,16 @@ class FileBrowser {
     if (this.find_.value !== '') {
       this.find_.value = '';
     }
-    if (!await this.load_(this.path_)) {
+    const question = this.asked_ + 1;
+    const isListed = await this.load_(this.path_);
+    if (this.asked_ !== question) {
+      return;  // The user has chosen a folder meanwhile.
+    }
+    if (!isListed) {
       await this.load_('');  // The folder may have gone.
+      if (this.asked_ !== question + 1) {
+        return;
+      }
     }
     const {listing_: listing} = this;
     if (listing?.path === '' && listing.entries.length === 1) {
