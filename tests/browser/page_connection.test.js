@@ -3,7 +3,8 @@ import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
 
 import {Connection} from '../../host/serve/page/link/connection.js';
-import {FRAME_HEADER_BYTES} from '../../host/serve/page/link/vocabulary.js';
+import {ANSWER_HEADER_BYTES, ANSWER_HEADER_MAGIC, FRAME_HEADER_BYTES, FRAME_HEADER_MAGIC}
+  from '../../host/serve/page/link/vocabulary.js';
 import {PictureView} from '../../host/serve/page/picture/picture.js';
 import {Store} from '../../host/serve/page/state/store.js';
 
@@ -110,6 +111,36 @@ test('a refusal is told once, and answers the caller; one that was replaced is n
   assert.equal((await quiet).error, 'no volume');
   assert.equal((await replaced).superseded, true);
   assert.deepEqual(told, ['surface x is new']);
+});
+
+test('a message that cannot be read is an error that the user sees', async () => {
+  const {connection, socket} = connected();
+  /** @type {{line: string, error: string, isOwn: boolean}[]} */
+  const failed = [];
+  connection.on('failed', what => failed.push(what));
+  const frame = new DataView(new ArrayBuffer(FRAME_HEADER_BYTES - 1));
+  frame.setUint32(0, FRAME_HEADER_MAGIC, true);
+  const answer = new DataView(new ArrayBuffer(ANSWER_HEADER_BYTES - 1));
+  answer.setUint32(0, ANSWER_HEADER_MAGIC, true);
+  for (const {buffer} of [frame, answer, new DataView(new ArrayBuffer(3))]) {
+    socket.say(/** @type {ArrayBuffer} */ (buffer));
+  }
+  assert.deepEqual(failed.map(({line, isOwn}) => [line, isOwn]), Array(3).fill(['', true]));
+  const [ofFrame, ofAnswer, ofOther] = failed.map(({error}) => error);
+  assert.match(ofFrame, /^Frame: 55 bytes, its header has 56\. Load the page again;/);
+  assert.match(ofAnswer, /^Answer: 15 bytes, its header has 16\. Load/);
+  assert.match(ofOther, /^Message: 3 bytes, neither a frame nor an answer\. Load/);
+});
+
+test('an error says whether it is the page\'s own', async () => {
+  const {connection, socket} = connected();
+  const refused = connection.do('surface bone iso=1', {quiet: true});
+  socket.say({re: socket.sent[0].id, ok: false, error: 'surface: no volume is open'});
+  assert.equal((await refused).isOwn ?? false, false);
+  const lost = connection.do('surface bone iso=2', {quiet: true});
+  socket.drop(1006);
+  assert.equal((await lost).isOwn, true);
+  assert.equal((await connection.do('surface bone iso=3', {quiet: true})).isOwn, true);
 });
 
 test('a lost connection answers everybody, comes back, and wants the same', async () => {

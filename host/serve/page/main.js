@@ -1,5 +1,5 @@
 // Starts the page: makes its parts and connects them.
-import {byId} from './elements/dom.js';
+import {byId, ENGLISH} from './elements/dom.js';
 import {OPENING, Toasts} from './elements/toasts.js';
 import {Headset} from './headset/headset.js';
 import {Connection} from './link/connection.js';
@@ -65,15 +65,16 @@ function start() {
 
   connection.on('state', state => store.take(state));
   const isOpening = (/** @type {string} */ line) => /^(load|play) /.test(line);
-  connection.on('failed', ({line, error}) =>
-    app.toasts.error(error, isOpening(line) ? OPENING : ''));
+  connection.on('failed', ({line, error, isOwn}) =>
+    app.toasts.error(error, isOpening(line) ? OPENING : '', isOwn ? {} : ENGLISH));
   // Only a success takes the error away: a session that fails half-way changes the volume, too.
   connection.on('reply', ({line, reply}) => {
     if (reply.ok && isOpening(line)) {
       app.toasts.forget(OPENING);
     }
   });
-  connection.on('note', ({level, text}) => app.toasts[level === 'error' ? 'error' : 'info'](text));
+  connection.on('note', ({level, text}) => level === 'error'
+    ? app.toasts.error(text, '', ENGLISH) : app.toasts.info(text, [], ENGLISH));
   connection.on('hello', ({role}) => document.body.classList.toggle('watcher', role === 'watcher'));
 
   const headset = new Headset(app, window.pxpl5.headset);

@@ -5,7 +5,8 @@ import path from 'node:path';
 import test from 'node:test';
 
 import { CATALOGS, keyOf, LANGUAGES, plural, say } from '../../../host/serve/page/texts/say.js';
-import { keysByRoom, keysIn, keysOfIndex, pageFolder } from './said.js';
+import { keysByRoom, keysIn, keysOfIndex, pageFolder, plainErrors, plainErrorsIn }
+  from './said.js';
 
 /** The numbers of the parts in a text, each once, in order. */
 function partsOf(text) {
@@ -34,6 +35,17 @@ test('the key of a template has numbers for its parts', () => {
 test('one thing has a text of its own', () => {
   const text = count => plural(count, 'one', 'other');
   assert.deepEqual([0, 1, 2, 21].map(text), ['other', 'one', 'other', 'other']);
+});
+
+test('the sentence of each error is translated', () => {
+  const found = text => plainErrorsIn('a.js', text).length;
+  for (const plain of ["'A'", '`A ${b}`', "b ? say`A` : 'B'", "say`A` + ' B'", "(b ?? 'A')"]) {
+    assert.equal(found(`throw new Error(${plain});`), 1, plain);
+  }
+  for (const good of ['say`A ${b}`', 'b.error ?? say`A`', 'b ? say`A` : say`B`', 'b']) {
+    assert.equal(found(`throw new Error(${good});`), 0, good);
+  }
+  assert.deepEqual(plainErrors(), []);
 });
 
 test('index.html has texts', () => {

@@ -45,6 +45,41 @@ export function keysIn(name, text) {
   return found;
 }
 
+/** Whether an expression is text in the code, other than behind `say`. */
+function isPlain(node) {
+  if (ts.isConditionalExpression(node)) return isPlain(node.whenTrue) || isPlain(node.whenFalse);
+  if (ts.isBinaryExpression(node)) return isPlain(node.left) || isPlain(node.right);
+  if (ts.isParenthesizedExpression(node)) return isPlain(node.expression);
+  return ts.isStringLiteral(node) || ts.isNoSubstitutionTemplateLiteral(node) ||
+    ts.isTemplateExpression(node);
+}
+
+/**
+ * The errors in a module's text whose sentence is not translated. A mistake of a programmer is a
+ * ReferenceError, and needs no translation.
+ * @returns {string[]} each with its line
+ */
+export function plainErrorsIn(name, text) {
+  const source = ts.createSourceFile(name, text, ts.ScriptTarget.Latest, true);
+  const found = [];
+  const visit = node => {
+    if (ts.isNewExpression(node) && node.expression.getText(source) === 'Error' &&
+        (node.arguments ?? []).some(isPlain)) {
+      const { line } = source.getLineAndCharacterOfPosition(node.getStart());
+      found.push(`${name}:${line + 1}: ${node.getText(source)}`);
+    }
+    ts.forEachChild(node, visit);
+  };
+  visit(source);
+  return found;
+}
+
+/** The errors of all modules whose sentence is not translated. */
+export function plainErrors() {
+  return modules().flatMap(name =>
+    plainErrorsIn(name, readFileSync(path.join(pageFolder, name), 'utf8')));
+}
+
 /** The texts of index.html that people read or hear. */
 export function keysOfIndex() {
   const body = readFileSync(path.join(pageFolder, 'index.html'), 'utf8').split('<body>')[1];

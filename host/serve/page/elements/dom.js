@@ -66,7 +66,7 @@ export function s(tag, attributes = {}, ...children) {
 export function byId(id) {
   const element = document.getElementById(id);
   if (!element) {
-    throw new Error(`index.html has no element '${id}'`);
+    throw new ReferenceError(`index.html has no element '${id}'`);
   }
   return element;
 }
@@ -80,6 +80,17 @@ export function setText(element, text) {
   if (element.textContent !== text) {
     element.textContent = text;
   }
+}
+
+/**
+ * Sets the text of a message.
+ * @param {HTMLElement} element
+ * @param {string} text
+ * @param {boolean} isOwn  Whether the page wrote it, in its language; else the machine did.
+ */
+export function setMessage(element, text, isOwn) {
+  element.textContent = text;
+  update(element, {lang: isOwn ? null : ENGLISH.lang});
 }
 
 /**

@@ -17,9 +17,10 @@ export class Toasts {
   /**
    * @param {string} text
    * @param {HTMLElement[]} [links]  A note with links stays until the user closes it.
+   * @param {import('./dom.js').Attributes} [attributes]  Of the text: ENGLISH, for example.
    */
-  info(text, links = []) {
-    const toast = this.add_('info', text);
+  info(text, links = [], attributes = {}) {
+    const toast = this.add_('info', text, attributes);
     if (links.length === 0) {
       setTimeout(() => toast.remove(), NOTE_MS);
     } else {
@@ -30,9 +31,10 @@ export class Toasts {
   /**
    * @param {string} text
    * @param {string} [about]  See forget.
+   * @param {import('./dom.js').Attributes} [attributes]  Of the text: ENGLISH, for example.
    */
-  error(text, about = '') {
-    this.add_('error', text).dataset.about = about;
+  error(text, about = '', attributes = {}) {
+    this.add_('error', text, attributes).dataset.about = about;
   }
 
   /**
@@ -49,8 +51,9 @@ export class Toasts {
    * @private
    * @param {'info' | 'error'} level
    * @param {string} text
+   * @param {import('./dom.js').Attributes} attributes
    */
-  add_(level, text) {
+  add_(level, text, attributes) {
     for (const same of this.root_.querySelectorAll('.toast')) {
       if (same.querySelector('p')?.textContent === text) {
         same.remove();
@@ -61,7 +64,7 @@ export class Toasts {
       (this.root_.querySelector('.toast.info') ?? this.root_.firstElementChild)?.remove();
     }
     const toast = h('div', {class: `toast ${level}`, 'data-testid': `toast-${level}`},
-      h('p', {}, text));
+      h('p', attributes, text));
     toast.append(h('button', {class: 'quiet', 'aria-label': say`Close this message`,
       onclick: () => toast.remove()}, '×'));
     this.root_.append(toast);

@@ -97,7 +97,7 @@ class InspectorPanel {
       return;
     }
     if (!reply.ok) {
-      this.message.fail(reply.error ?? '');
+      this.message.refuse(reply);
       announce({result: null, revision: reply.revision ?? 0, error: reply.error ?? '', by});
       return;
     }

@@ -1,8 +1,7 @@
 // The WebSocket to the server: commands, questions, replies, events, reconnection.
 import {say} from '../texts/say.js';
-import {magicOf, parseAnswer, parseFrame} from './messages.js';
+import {parseMessage} from './messages.js';
 import {subjectOf, toLine} from './lines.js';
-import {ANSWER_HEADER_MAGIC, FRAME_HEADER_MAGIC} from './vocabulary.js';
 
 /** @typedef {import('./types.js').Reply} Reply */
 /** @typedef {import('./types.js').Answer} Answer */
@@ -42,7 +41,8 @@ const LOST = say`The connection was lost before the server replied.`;
 /**
  * Events, and what listeners get: `hello` Hello, `state` State, `frame` Frame,
  * `progress` Progress or null, `machine` any, `note` Note, `open` (connected), `lost` a sentence,
- * `reply` {line, reply, sentAt}, `failed` {line, error} of a `do` or `set` that was refused.
+ * `reply` {line, reply, sentAt}, `failed` {line, error, isOwn} of a `do` or `set` that was refused,
+ * or of a message that cannot be read: then the line is ''. isOwn: see Reply.
  * @typedef {'hello' | 'state' | 'frame' | 'progress' | 'machine' | 'note' | 'open' | 'lost'
  *   | 'reply' | 'failed'} EventName
  */
@@ -183,7 +183,7 @@ export class Connection {
   eyes(eyes) {
     return new Promise(reply => {
       if (this.request_({eyes}, {line: '', sentAt: performance.now(), reply}) === 0) {
-        reply({ok: false, error: say`Not connected.`});
+        reply({ok: false, error: say`Not connected.`, isOwn: true});
       }
     });
   }
@@ -233,13 +233,13 @@ export class Connection {
     return new Promise(resolve => {
       const reply = (/** @type {Reply} */ answer) => {
         if (!answer.ok && !answer.superseded && !quiet) {
-          this.emit_('failed', {line, error: answer.error ?? ''});
+          this.emit_('failed', {line, error: answer.error ?? '', isOwn: answer.isOwn ?? false});
         }
         resolve(answer);
       };
       const id = this.request_({do: line}, {line, sentAt: performance.now(), reply});
       if (id === 0) {
-        reply({ok: false, error: say`Not connected: nothing was changed.`});
+        reply({ok: false, error: say`Not connected: nothing was changed.`, isOwn: true});
       }
     });
   }
@@ -301,23 +301,30 @@ export class Connection {
     this.heardAt_ = performance.now();
     if (typeof data === 'string') {
       this.takeText_(JSON.parse(data));
-    } else if (magicOf(data) === FRAME_HEADER_MAGIC) {
-      this.takeFrame_(data);
-    } else if (magicOf(data) === ANSWER_HEADER_MAGIC) {
-      const {id, json, bytes} = parseAnswer(data);
+      return;
+    }
+    let message;
+    try {
+      message = parseMessage(data);
+    } catch (error) {
+      const why = error instanceof Error ? error.message : String(error);
+      this.emit_('failed', {line: '', error: why, isOwn: true});
+      return;
+    }
+    if ('header' in message) {
+      this.takeFrame_(message);
+    } else {
+      const {id, json, bytes} = message;
       this.waiting_.get(id)?.answer?.({json, bytes});
       this.waiting_.delete(id);
-    } else {
-      throw new Error(`message of ${data.byteLength} bytes: neither a frame nor an answer`);
     }
   }
 
   /**
    * @private
-   * @param {ArrayBuffer} data
+   * @param {ReturnType<typeof import('./messages.js').parseFrame>} message
    */
-  takeFrame_(data) {
-    const {header, picture, depths} = parseFrame(data);
+  takeFrame_({header, picture, depths}) {
     const from = this.socket_, arrived = this.heardAt_;
     const shown = () => {
       // A later connection numbers its own frames.
@@ -366,7 +373,7 @@ export class Connection {
     this.emit_('lost', reason === '' ? CLOSED_BECAUSE.get(code) ?? ''
       : say`The server closed the connection: ${reason}`);
     for (const {reply} of waiting) {
-      reply({ok: false, superseded: false, error: LOST});
+      reply({ok: false, superseded: false, error: LOST, isOwn: true});
     }
     setTimeout(() => this.open(), this.waitMs_);
     this.waitMs_ = Math.min(this.waitMs_ * 2, LONGEST_WAIT_MS);

@@ -1,7 +1,8 @@
 // Binary messages of the server, taken apart. Pure functions; layout: host/serve/page_schema.fbs.
 
-import {ANSWER_HEADER_BYTES, FRAME_FLAG, FRAME_HEADER_BYTES, PICTURE_KIND, readAnswerHeader,
-  readFrameHeader} from './vocabulary.js';
+import {say} from '../texts/say.js';
+import {ANSWER_HEADER_BYTES, ANSWER_HEADER_MAGIC, FRAME_FLAG, FRAME_HEADER_BYTES,
+  FRAME_HEADER_MAGIC, PICTURE_KIND, readAnswerHeader, readFrameHeader} from './vocabulary.js';
 
 /** @typedef {import('./types.js').FrameHeader} FrameHeader */
 
@@ -10,12 +11,31 @@ import {ANSWER_HEADER_BYTES, FRAME_FLAG, FRAME_HEADER_BYTES, PICTURE_KIND, readA
 const KINDS = new Map([[PICTURE_KIND.jpeg, 'jpeg'], [PICTURE_KIND.png, 'png'],
   [PICTURE_KIND.vp8, 'vp8']]);
 
+const RELOAD = say`Load the page again; it may be older than the server.`;
+
 /**
  * The magic number in the first four bytes of a message; 0 if the message is shorter.
  * @param {ArrayBuffer} message
  */
-export function magicOf(message) {
+function magicOf(message) {
   return message.byteLength < 4 ? 0 : new DataView(message).getUint32(0, true);
+}
+
+/**
+ * A frame or an answer.
+ * @param {ArrayBuffer} message
+ * @throws {Error} with a sentence, if the message is neither, or is not whole
+ */
+export function parseMessage(message) {
+  switch (magicOf(message)) {
+    case FRAME_HEADER_MAGIC:
+      return parseFrame(message);
+    case ANSWER_HEADER_MAGIC:
+      return parseAnswer(message);
+    default:
+      throw new Error(say`Message: ${message.byteLength} bytes, neither a frame nor an answer.
+        ${RELOAD}`);
+  }
 }
 
 /**
@@ -27,18 +47,19 @@ export function magicOf(message) {
  */
 export function parseFrame(message) {
   if (message.byteLength < FRAME_HEADER_BYTES) {
-    throw new Error(`frame: ${message.byteLength} bytes, its header has ${FRAME_HEADER_BYTES}`);
+    throw new Error(say`Frame: ${message.byteLength} bytes, its header has
+      ${FRAME_HEADER_BYTES}. ${RELOAD}`);
   }
   const view = new DataView(message);
   const {flags, kind, digest, picture_bytes, depth_bytes, ...rest} = readFrameHeader(view);
   const end = FRAME_HEADER_BYTES + picture_bytes + depth_bytes;
   if (message.byteLength !== end) {
-    throw new Error(`frame: ${message.byteLength} bytes, its picture and depths end at ${end}. `
-      + 'Load the page again; it may be older than the server.');
+    throw new Error(say`Frame: ${message.byteLength} bytes, its picture and depths end at
+      ${end}. ${RELOAD}`);
   }
   const name = KINDS.get(kind);
   if (!name) {
-    throw new Error(`frame: kind ${kind} is none of JPEG (1), PNG (2) and VP8 (3)`);
+    throw new Error(say`Frame: kind ${kind} is none of JPEG (1), PNG (2) and VP8 (3). ${RELOAD}`);
   }
   const header = {
     ...rest,
@@ -54,9 +75,8 @@ export function parseFrame(message) {
   for (let at = end - depth_bytes; at < end;) {
     const first = at + 4, bytes = first > end ? 0 : view.getUint32(at, true);
     if (first + bytes > end) {
-      throw new Error(`frame: the depths of picture ${depths.length + 1} end at byte `
-        + `${first + bytes}, but the frame has ${end} bytes. Load the page again; it may be older `
-        + 'than the server.');
+      throw new Error(say`Frame: the depths of picture ${depths.length + 1} end at byte
+        ${first + bytes}, but the frame has ${end} bytes. ${RELOAD}`);
     }
     depths.push(new Uint8Array(message, first, bytes));
     at = first + bytes;
@@ -72,12 +92,14 @@ export function parseFrame(message) {
  */
 export function parseAnswer(message) {
   if (message.byteLength < ANSWER_HEADER_BYTES) {
-    throw new Error(`answer: ${message.byteLength} bytes, its header has ${ANSWER_HEADER_BYTES}`);
+    throw new Error(say`Answer: ${message.byteLength} bytes, its header has
+      ${ANSWER_HEADER_BYTES}. ${RELOAD}`);
   }
   const {id, json_bytes: jsonBytes} = readAnswerHeader(new DataView(message));
   const end = ANSWER_HEADER_BYTES + jsonBytes;
   if (end > message.byteLength) {
-    throw new Error(`answer: ${message.byteLength} bytes, its JSON ends at ${end}`);
+    throw new Error(say`Answer: ${message.byteLength} bytes, its JSON ends at ${end}.
+      ${RELOAD}`);
   }
   const text = new TextDecoder().decode(new Uint8Array(message, ANSWER_HEADER_BYTES, jsonBytes));
   const first = Math.ceil(end / 8) * 8;

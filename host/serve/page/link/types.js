@@ -10,6 +10,8 @@
  * @property {number} [ms]
  * @property {number} [revision]        Of the state that the command led to.
  * @property {string} [error]           A sentence.
+ * @property {boolean} [isOwn]          The error is the page's own, in the language of the page.
+ *                                      All others are the machine's, in English.
  * @property {boolean} [superseded]     A newer setting took its place.
  */
 

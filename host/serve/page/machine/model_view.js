@@ -36,8 +36,11 @@ const UNITS = new Map([['host', say`host`], ['host link', say`host link`], ['GP'
   ['ring', say`ring channels`], ['Renderer', say`Renderers`],
   ['frame buffer', say`frame buffer ports`], ['waiting', say`waiting`]]);
 
-/** @param {string} unit */
-function unitName(unit) {
+/**
+ * @param {string} unit  As the machine names it.
+ * @returns {string} as the page does
+ */
+export function unitName(unit) {
   return UNITS.get(unit) ?? unit;
 }
 
@@ -151,7 +154,7 @@ export class ModelView {
       this.told_.scrollIntoView({block: 'nearest'});
       this.compare_(this.app_.store.state?.revision ?? null);
     } else {
-      this.message_.fail(reply.error ?? say`The machine did not answer.`);
+      this.message_.refuse(reply);
     }
     document.dispatchEvent(new CustomEvent('estimated', {detail: {result: reply.result ?? null,
       revision: reply.revision ?? 0, error: reply.ok ? '' : reply.error ?? ''}}));

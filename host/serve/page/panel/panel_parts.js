@@ -1,5 +1,5 @@
 // Common parts of the panels: introduction, message line, choices, fields, mode buttons.
-import {h} from '../elements/dom.js';
+import {h, setMessage} from '../elements/dom.js';
 import {say} from '../texts/say.js';
 
 /**
@@ -21,12 +21,19 @@ export function messageLine(testid) {
     /** @param {string} text */
     say(text) {
       line.classList.remove('bad');
-      line.textContent = text;
+      setMessage(line, text, true);
     },
-    /** @param {string} text */
-    fail(text) {
+    /**
+     * @param {string} text
+     * @param {boolean} [isOwn]  See setMessage.
+     */
+    fail(text, isOwn = true) {
       line.classList.add('bad');
-      line.textContent = text;
+      setMessage(line, text, isOwn);
+    },
+    /** @param {import('../link/types.js').Reply} reply  A failure. */
+    refuse({error, isOwn}) {
+      this.fail(error ?? say`The machine did not answer.`, isOwn ?? error === undefined);
     },
   };
 }

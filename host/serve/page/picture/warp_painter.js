@@ -100,7 +100,7 @@ export class WarpPainter {
     while (this.meshes_.length < leans.length) {
       const [corners, mask, seams, walls] = [0, 1, 2, 3].map(() => this.texture_(gl.NEAREST));
       const triangles = [0, 1].map(() => ({buffer: gl.createBuffer(), mesh: null}));
-      const meshOf = () => { throw new Error('no picture has been taken'); };
+      const meshOf = () => { throw new ReferenceError('no picture has been taken'); };
       this.meshes_.push({corners, mask, seams, walls, triangles, meshOf, wallCount: 0});
     }
     leans.forEach((lean, at) => this.fill_(this.meshes_[at], lean));

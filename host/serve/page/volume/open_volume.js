@@ -1,6 +1,6 @@
 // Opens a volume: a path on the server's computer, dropped files, or a built-in volume. The
 // browser unpacks dropped ZIP archives.
-import {h} from '../elements/dom.js';
+import {h, setMessage} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 import {say} from '../texts/say.js';
 import {createFileBrowser} from './file_browser.js';
@@ -36,9 +36,12 @@ export function createOpenDialog(app) {
   const series = createSeries(app);
   let isLoading = false;
   let dropped = '';  // Path of the files that were not opened: options may be missing.
-  /** @param {string} text  Why nothing was opened. */
-  const tell = text => {
-    wrong.textContent = text;
+  /**
+   * @param {string} text  Why nothing was opened.
+   * @param {boolean} [isOwn]  See setMessage.
+   */
+  const tell = (text, isOwn = true) => {
+    setMessage(wrong, text, isOwn);
     wrong.hidden = text === '';
     series.show('', '', () => {});
     options.root.hidden = app.session.wanting !== null;  // The session has its own options.
@@ -69,7 +72,7 @@ export function createOpenDialog(app) {
       return;
     }
     const error = (reply.error ?? '').replace(UPLOAD, '');
-    tell(error);
+    tell(error, reply.isOwn ?? false);
     [path.value, dropped] = UPLOAD.test(source) ? ['', source] : [source, ''];
     const isChoice = series.show(error, source, number => {
       options.set('series', number);

@@ -60,7 +60,8 @@ export function createSeries(app) {
       asked++;  // Thumbnails of another folder come too late.
       root.hidden = found.length === 0;
       const [, count = String(found.length)] = error.match(/ holds (\d+)[ :]/) ?? [];
-      title.textContent = say`${error.split(':')[0]} has ${count} series. Choose one:`;
+      title.textContent = root.hidden ? ''
+        : say`${error.split(':')[0]} has ${count} series. Choose one:`;
       groups.replaceChildren(h('div', {class: 'cards'}, ...found.map(([, number, name, about]) =>
         card(number, name, [about.replace(/(\d)x(?=\d)/g, '$1 × ')], null, choose))));
       if (found.length > 0) {

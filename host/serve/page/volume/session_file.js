@@ -1,4 +1,5 @@
 // Files of sessions: a script of the scene, and a comment with the page's own part.
+import {ENGLISH} from '../elements/dom.js';
 import {OPENING} from '../elements/toasts.js';
 import {word} from '../link/lines.js';
 import {say} from '../texts/say.js';
@@ -33,7 +34,8 @@ export async function playSession(app, session, upload) {
   if (path === null) {
     return;
   }
-  const {ok, error = '', revision = 0} = await connection.do(`play ${word(path)}`, {quiet: true});
+  const {ok, error = '', isOwn, revision = 0} =
+    await connection.do(`play ${word(path)}`, {quiet: true});
   const hasOneVolume = session.script.match(/^load\s/gm)?.length === 1;
   if (!ok && hasOneVolume && IS_OF_DATA.test(error)) {
     app.session.wanting = session;
@@ -41,7 +43,7 @@ export async function playSession(app, session, upload) {
     return;
   }
   if (!ok) {
-    toasts.error(error, OPENING);
+    toasts.error(error, OPENING, isOwn ? {} : ENGLISH);
     return;
   }
   const line = session.script.split('\n').find(each => each.startsWith(PAGE));

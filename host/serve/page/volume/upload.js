@@ -237,7 +237,7 @@ function post(url, body, signal, progress) {
       }
     };
     request.onerror = () => reject(new Error(say`the connection was lost`));
-    request.onabort = () => reject(new Error('canceled'));
+    request.onabort = () => reject(new DOMException('', 'AbortError'));
     signal.addEventListener('abort', () => request.abort());
     request.send(body);
   });

@@ -59,7 +59,6 @@ export default {
   'Estimates how long the machine of 1993 needed for the same work. The work is counted and replayed on a model of that machine.': 'Schätzt, wie lange die Maschine von 1993 für dieselbe Arbeit brauchte. Die Arbeit wird gezählt und auf einem Modell jener Maschine nachgespielt.',
   'A view-only page cannot request an estimate.': 'Eine Seite nur zum Ansehen kann keine Schätzung anfordern.',
   'Counting …': 'Zählung läuft …',
-  'The machine did not answer.': 'Die Maschine hat nicht geantwortet.',
   'The picture has changed since this estimate.': 'Das Bild hat sich seit dieser Schätzung geändert.',
   'Load of the units while the same view is redrawn. Bright: average of all units of a kind. Dim: the busiest unit.': 'Last der Einheiten, während dieselbe Ansicht neu gezeichnet wird. Hell: Mittel aller Einheiten einer Art. Matt: die am stärksten ausgelastete Einheit.',
   'stage': 'Stufe',

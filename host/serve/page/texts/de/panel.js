@@ -90,4 +90,5 @@ export default {
   'Text of the note': 'Text der Notiz',
   'missing': 'nicht vorhanden',
   'place or spacing ASSUMED': 'Ort oder Voxelabstand ANGENOMMEN',
+  'The machine did not answer.': 'Die Maschine hat nicht geantwortet.',
 };
