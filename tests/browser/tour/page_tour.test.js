@@ -7,6 +7,7 @@ import {duration, grouped, percent, rewritten, short, significant}
   from '../../../host/serve/page/elements/numbers.js';
 import {hashOf, stepOf} from '../../../host/serve/page/tour/address.js';
 import {candidates} from '../../../host/serve/page/tour/find_pixel.js';
+import {STEPS} from '../../../host/serve/page/tour/texts.js';
 import {depthOf} from '../../../host/serve/page/tour/tree.js';
 
 test('numbers have commas, a point, and no minus before zero', () => {
@@ -40,6 +41,16 @@ test('texts of the command line are rewritten, and words with digits are not', (
     '12 m 2 s', '20261126T080000Z-4711']) {
     assert.equal(rewritten(same), same);
   }
+});
+
+test('the tour names the units of the model as the panel does', () => {
+  const use = {unit: 'ring', mean: 0.25, busiest: 0.5, index: 3};
+  const frame = {primitives: 1, samples: 1, frames_per_s: 24, latency_ms: 41, limit: 'ring',
+    use: [use]};
+  const modelled = {machine: 'paper', gps: 2, renderers: 2, frame_buffers: 1, surfaces: [], frame};
+  const facts = /** @type {any} */ ({modelled, frame: null, watches: false});
+  const text = STEPS[5].text(facts).join(' ');
+  assert.match(text, /The limit is the unit “ring channels”: 50 % busy\./);
 });
 
 test('the address of a step names it again', () => {

@@ -205,8 +205,9 @@ export class StreamView {
     this.status_.textContent = say`${grouped(scrub.at)} of ${instructions} executed,
       region ${scrub.region} on renderer-${scrub.renderer}, ${writable} enabled`;
     const next = scrub.lines.find(line => line.at === scrub.at);
-    this.meaning_.textContent = next ? say`Next (${next.address}): ${next.meaning}`
-      : say`All instructions are executed.`;
+    this.meaning_.replaceChildren(...next
+      ? [`${say`Next:`} `, h('span', ENGLISH, `${next.meaning} (${next.address})`)]
+      : [say`All instructions are executed.`]);
     this.lines_.replaceChildren(...scrub.lines.map(line => h('li', {
       class: line.at === scrub.at ? 'now' : '', title: line.address,
       'aria-current': line.at === scrub.at ? 'step' : null,

@@ -1,5 +1,5 @@
 // Time per frame: stages of the busiest node of each role, wall time and modelled time.
-import {ENGLISH, h} from '../elements/dom.js';
+import {h} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
 import {say} from '../texts/say.js';
 
@@ -9,6 +9,13 @@ import {say} from '../texts/say.js';
 
 const KINDS = [['gp', say`GPs`], ['renderer', say`Renderers`],
   ['framebuffer', say`Frame buffer`]];
+/** Stages of the nodes, as the page writes them. */
+const STAGES = new Map([['wait', say`wait`], ['receive', say`receive`], ['send', say`send`],
+  ['work', say`work`], ['load', say`load`], ['extract', say`extract`],
+  ['simplify', say`simplify`], ['measure', say`measure`], ['assign', say`assign`],
+  ['transform', say`transform`], ['select', say`select`], ['set_up', say`set up`],
+  ['plan', say`plan`], ['primitives', say`primitives`], ['end_of_region', say`end of region`],
+  ['assemble', say`assemble`]]);
 const MANY = 8;     // Number of stage colors; more stages repeat the colors.
 
 /**
@@ -27,7 +34,7 @@ export function rowsOf({nodes, frames}) {
     }
     const longest = ours.reduce((a, b) => sum(b) > sum(a) ? b : a);
     return [{label, who: longest.name, parts: longest.stages.map(({name, ms}) =>
-      ({name: name.replaceAll('_', ' '), ms: ms / frames}))}];
+      ({name: STAGES.get(name) ?? name, ms: ms / frames}))}];
   });
 }
 
@@ -75,7 +82,7 @@ export class StageBars {
         bar(parts.map(({name, ms}, n) => ({ms, class: `stage-${n % MANY}`,
           title: say`${name}: ${msText(ms)} per frame`})), scale),
         h('p', {class: 'legend keys'}, ...parts.filter(({ms}) => ms > 0.02 * scale).map(
-          ({name, ms}) => h('span', ENGLISH, h('i', {class: `stage-${
+          ({name, ms}) => h('span', {}, h('i', {class: `stage-${
             parts.findIndex(part => part.name === name) % MANY}`}), `${name} ${msText(ms)}`))),
       ]));
     }

@@ -1,6 +1,7 @@
 // The texts of the six steps. Each text uses the machine's answers.
 import {duration, grouped, percent, short, significant} from '../elements/numbers.js';
 import {LIMITS} from '../link/vocabulary.js';
+import {unitName} from '../machine/model_view.js';
 import {plural, say} from '../texts/say.js';
 import {cellOf, evaluationOf, regionsOf, sentPixels, shownOf, triangleCount} from './facts.js';
 
@@ -230,7 +231,8 @@ function clockText({modelled, frame, watches}) {
     times per second. A change is on its screen after ${duration(drawn.latency_ms)}.`;
   const loads = load ? ` ${say`Loading the scan took ${duration(load.ms)} there.`}` : '';
   const limits = limit
-    ? `${say`The limit is the unit “${limit.unit}”: ${percent(limit.busiest)} busy.`} ` : '';
+    ? `${say`The limit is the unit “${unitName(limit.unit)}”: ${percent(limit.busiest)} busy.`} `
+    : '';
   return [what, `${draws}${loads}`,
     limits + say`The result is modelled, not measured. Some parameters are published; others are
       recalled, derived or fitted.`, wall].filter(Boolean);

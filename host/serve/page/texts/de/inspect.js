@@ -79,7 +79,7 @@ export default {
   '1 pixel': '1 Pixel',
   '{0} pixels': '{0} Pixel',
   '{0} of {1} executed, region {2} on renderer-{3}, {4} enabled': '{0} / {1} ausgeführt, Bildregion {2} auf renderer-{3}, {4} aktiv',
-  'Next ({0}): {1}': 'Als Nächstes ({0}): {1}',
+  'Next:': 'Als Nächstes:',
   'All instructions are executed.': 'Alle Befehle sind ausgeführt.',
   'Pause': 'Pause',
   'no change': 'keine Änderung',
