@@ -4,6 +4,7 @@ import { readdirSync, readFileSync } from 'node:fs';
 import path from 'node:path';
 import test from 'node:test';
 
+import { kindWord } from '../../../host/serve/page/panel/measure_words.js';
 import { CATALOGS, keyOf, LANGUAGES, plural, say } from '../../../host/serve/page/texts/say.js';
 import { keysByRoom, keysIn, keysOfIndex, pageFolder, plainErrors, plainErrorsIn }
   from './said.js';
@@ -22,6 +23,30 @@ test('English is the text in the code, with its parts', () => {
   assert.equal(say`A long text
     in two lines`, 'A long text in two lines');
   for (const each of [1, 2]) assert.equal(say`${each} nodes`, `${each} nodes`);
+});
+
+test('a part that ends in a full stop has no second one behind it', () => {
+  const end = why => say`It ends: ${why}. Go on.`;
+  assert.equal(end('the file is short'), 'It ends: the file is short. Go on.');
+  assert.equal(end('The file is short.'), 'It ends: The file is short. Go on.');
+  assert.equal(say`${'A.'}.`, 'A.');
+  assert.equal(say`${'A'}, ${'B.'}.`, 'A, B.');
+  assert.equal(say`${'A.'} ${2}.`, 'A. 2.');
+});
+
+test('a meaning behind a word is not shown', () => {
+  assert.equal(say`note|finding`, 'note');
+});
+
+test('a kind of measurement has one word in each language', async () => {
+  const kinds = ['distance', 'angle', 'path', 'ellipse', 'rectangle', 'part', 'note'];
+  for (const kind of kinds) assert.equal(kindWord(kind), kind);
+  for (const [code, load] of Object.entries(CATALOGS)) {
+    const { default: texts } = await load();
+    const titles = kinds.map(kind => texts[kind[0].toUpperCase() + kind.slice(1)]);
+    assert.deepEqual(kinds.map(kind => texts[kind].toLowerCase()),
+                     titles.map(title => title.toLowerCase()), code);
+  }
 });
 
 test('the key of a template has numbers for its parts', () => {

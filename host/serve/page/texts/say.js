@@ -1,5 +1,6 @@
 // The page's texts in the language of the reader. The code has the English text, which is also the
-// key of the translation: say`Nothing to undo`, say`Undo: ${what} (key U)`.
+// key of the translation: say`Nothing to undo`, say`Undo: ${what} (key U)`. What stands behind | is
+// not shown: it tells two meanings of one word apart, as in say`note|finding`.
 
 /** Languages of the page, as their speakers write them. */
 export const LANGUAGES = Object.freeze({en: 'English', de: 'Deutsch'});
@@ -63,7 +64,8 @@ const texts = new WeakMap();
 /**
  * A text of the page. Not for command lines, names and other data.
  * @param {TemplateStringsArray} strings
- * @param {...Part} parts  Shown as they are.
+ * @param {...Part} parts  Shown as they are. One full stop is enough behind a part that is itself a
+ *     sentence, as most errors.
  */
 export function say(strings, ...parts) {
   let text = texts.get(strings);
@@ -73,12 +75,15 @@ export function say(strings, ...parts) {
     texts.set(strings, text);
   }
   return parts.length === 0 ? text
-    : text.replace(/\{(\d+)\}/g, (_, index) => String(parts[Number(index)]));
+    : text.replace(/\{(\d+)\}(\.?)/g, (_, index, stop) => {
+      const part = String(parts[Number(index)]);
+      return part.endsWith('.') ? part : part + stop;
+    });
 }
 
 /** @param {string} key */
 function translated(key) {
-  const text = Object.hasOwn(catalog, key) ? catalog[key] : key;
+  const text = Object.hasOwn(catalog, key) ? catalog[key] : key.replace(/\|.*$/, '');
   return isMarked ? `⟦${text}⟧` : text;
 }
 

@@ -87,8 +87,8 @@ export function createOpenDialog(app) {
   app.session.ask = ({name, script}, why) => {
     path.value = sourceOf(script).replace(UPLOAD, '');
     options.clear();
-    tell(say`${why.replace(UPLOAD, '').replace(/\.?$/, '.')} The session ${name} continues with
-      the files that you choose or drop here.`);
+    tell(say`${why.replace(UPLOAD, '')}. The session ${name} continues with the files that you
+      choose or drop here.`);
   };
   const dismiss = () => {
     app.session.wanting = null;

@@ -11,7 +11,7 @@ import {createAttributes} from './attributes.js';
 const DOUBTFUL = new Set(['assumption', 'gantry tilt', 'missing slices', 'uneven slices',
   'missing volumes', 'duplicate slices', 'mixed orientations', 'thickness differs', 'reflection']);
 /** The kinds of findings, as the page writes them. */
-const KINDS = new Map([['note', say`note`], ['conversion', say`conversion`],
+const KINDS = new Map([['note', say`note|finding`], ['conversion', say`conversion`],
   ['assumption', say`assumption`], ['reflection', say`reflection`],
   ['gantry tilt', say`gantry tilt`], ['missing slices', say`missing slices`],
   ['uneven slices', say`uneven slices`], ['duplicate slices', say`duplicate slices`],

@@ -43,7 +43,7 @@ export default {
   'ellipse': 'Ellipse',
   'rectangle': 'Rechteck',
   'part': 'Teil',
-  'note': 'Anmerkung',
+  'note': 'Notiz',
   'add distance {0}': 'Strecke {0} hinzufügen',
   'add angle {0}': 'Winkel {0} hinzufügen',
   'add path {0}': 'Pfad {0} hinzufügen',
