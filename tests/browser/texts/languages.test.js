@@ -1,113 +1,16 @@
-// The page in another language, and that no text of the page has only English.
+// The page in another language.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
 import { browser, openPage, server, shoot, useServer } from '../harness.js';
 import { lookFor } from '../layout.js';
-import { measureAcross, settled, unfold } from '../steps.js';
+import { measureAcross, settled } from '../steps.js';
+import { everywhere, inLanguage } from './everywhere.js';
 
 useServer(['phantom:heart', 'resample=48x48x48']);
 
-/** The address of the page in a language. */
-function inLanguage(code) {
-  const url = new URL(server.url);
-  url.searchParams.set('lang', code);
-  return url.href;
-}
-
-/** Names that are the same in every language: of files, programs, colors, built-in volumes. */
-const NAMES = ['CSV', 'DICOM', 'JSON', 'LPS', 'MIP', 'NIfTI', 'PLY', 'PNG', 'RAS', 'STL', 'VTK',
-  'Wavefront', 'binary', 'fetus', 'glTF', 'glb', 'head', 'letters', 'obj', 'paper', 'pelvis', 'ply',
-  'sphere', 'stl', 'torus', 'viridis', 'vtp'];
-
-/**
- * Words outside of brackets, each with the element that shows it. Runs in the page. Data have
- * translate="no", as in HTML, and English texts of the machine have a language of their own.
- * @param {string[]} names  Words that need no translation.
- */
-function unmarkedWords(names) {
-  const { volume, surfaces } = globalThis.pxpl5.state;
-  const data = [volume.name, volume.source, ...surfaces.map(({ name }) => name)].join(' ');
-  const known = new Set([...names, ...data.match(/\p{L}{3,}/gu)]);
-  const outside = text => {
-    let rest = text, before;
-    do {
-      before = rest;
-      rest = rest.replace(/⟦[^⟦⟧]*⟧/g, ' ');
-    } while (rest !== before);
-    return rest.match(/\p{L}{3,}/gu) ?? [];
-  };
-  const found = new Map();
-  const look = (text, element, what) => {
-    for (const word of outside(text).filter(each => !known.has(each))) {
-      const named = element.closest('[data-testid], [id]');
-      const place = named?.getAttribute('data-testid') ?? named?.id ?? '';
-      found.set(`${word} (${place || element.tagName}${what})`, text.slice(0, 120));
-    }
-  };
-  for (const element of document.body.querySelectorAll('*')) {
-    if (element.closest('[translate=no], body [lang], code, pre, script, style')) continue;
-    for (const name of ['aria-label', 'title', 'alt', 'aria-valuetext']) {
-      const text = element.getAttribute(name);
-      if (text) look(text, element, ` ${name}`);
-    }
-    for (const node of element.childNodes) {
-      if (node.nodeType === Node.TEXT_NODE) look(node.textContent, element, '');
-    }
-  }
-  return [...found];
-}
-
-/** Shows each part of the page in turn, and calls `look` with its name. */
-async function everywhere(page, look) {
-  await settled(page);
-  await unfold(page);
-  for (const tab of await page.getByRole('tab').all()) {
-    await tab.click();
-    await settled(page);
-    await unfold(page);
-    await look(`panel-${(await tab.getAttribute('data-testid')).replace('tab-', '')}`);
-  }
-  for (const key of ['8', '9', '0', '7']) {
-    await page.keyboard.press(key);
-    await settled(page);
-    await look(`layout-${key}`);
-  }
-  await page.getByTestId('view-menu').click();
-  await look('menu');
-  await page.keyboard.press('Escape');
-  for (const [key, name] of [['?', 'help'], ['o', 'open'], ['s', 'save']]) {
-    await page.keyboard.press(key);
-    await page.locator('dialog[open]').waitFor();
-    await unfold(page);
-    await look(`dialog-${name}`);
-    await page.keyboard.press('Escape');
-  }
-  await page.keyboard.press('t');
-  const steps = page.locator('[data-testid^=tour-link-]');
-  await steps.first().waitFor();
-  for (let step = 0; step < await steps.count(); ++step) {
-    await steps.nth(step).click();
-    await settled(page);
-    await look(`tour-${step + 1}`);
-  }
-  await page.keyboard.press('Escape');
-}
-
-test('every text of the page comes from the texts that are translated', async () => {
-  const { page, close } = await openPage(browser, inLanguage('marked'));
-  const found = new Map();
-  await everywhere(page, async where => {
-    for (const [word, text] of await page.evaluate(unmarkedWords, NAMES)) {
-      if (!found.has(word)) found.set(word, `${where}: ${word}: '${text}'`);
-    }
-  });
-  assert.deepEqual([...found.values()], []);
-  await close();
-});
-
 test('German fits its places in all parts of the page, at 390 and 1280 pixels', async () => {
-  const { page, close } = await openPage(browser, inLanguage('de'));
+  const { page, close } = await openPage(browser, inLanguage(server.url, 'de'));
   assert.equal(await page.locator('html').getAttribute('lang'), 'de');
   assert.equal(await page.getByTestId('undo').getAttribute('aria-label'), 'Rückgängig');
   const found = new Set();
@@ -142,7 +45,7 @@ test('measurements are lost only if the user says so', async () => {
 });
 
 test('without its texts, the page is in English', async () => {
-  const { page, complaints, context } = await openPage(browser, inLanguage('de'), {
+  const { page, complaints, context } = await openPage(browser, inLanguage(server.url, 'de'), {
     refused: '**/de.js' });
   assert.equal(await page.locator('html').getAttribute('lang'), 'en');
   assert.equal(await page.getByTestId('undo').getAttribute('aria-label'), 'Undo');
@@ -165,7 +68,7 @@ test('the language is the browser\'s until the user chooses one, and is kept', a
   await page.goto(server.url);
   await opened();
   assert.equal(await language(), 'en', 'kept');
-  await page.goto(inLanguage('de'));
+  await page.goto(inLanguage(server.url, 'de'));
   await opened();
   assert.equal(await language(), 'de', 'as the address says');
   await close();

@@ -10,7 +10,10 @@ export function keepInSession(session, panel) {
   const add = (/** @type {string} */ name, /** @type {() => unknown} */ save,
     /** @type {(saved: any) => void} */ restore) =>
     session.add(name, {save: () => panel.volume && save(), restore});
-  add('window', () => panel.window.through, through => panel.window.look(through));
+  add('window', () => panel.window.through, through => {
+    need([through?.window, through?.level], 2, through);
+    panel.window.look(through);
+  });
   add('slices', () => panel.settings.look, look => {
     panel.settings.setLook(look);
     panel.look(panel.settings.look);

@@ -13,7 +13,10 @@ export const LANGUAGES = Object.freeze({en: 'English', de: 'Deutsch'});
  */
 export const CATALOGS = {de: () => import('./de.js')};
 const KEPT = 'pxpl5-language';
-/** With ?lang=marked, brackets stand around each text. A test finds texts without them. */
+/**
+ * With ?lang=marked, brackets stand around each text, but not around its parts. A test finds what
+ * has no brackets.
+ */
 const MARKED = 'marked';
 const isMarked = asked() === MARKED;
 
@@ -84,7 +87,7 @@ export function say(strings, ...parts) {
 /** @param {string} key */
 function translated(key) {
   const text = Object.hasOwn(catalog, key) ? catalog[key] : key.replace(/\|.*$/, '');
-  return isMarked ? `⟦${text}⟧` : text;
+  return isMarked ? `⟦${text.replace(/\{\d+\}/g, '⟧$&⟦')}⟧` : text;
 }
 
 /**
