@@ -15,7 +15,7 @@ async function noteRequests(context, page) {
   await session.send('Network.enable');
   session.on('Network.responseReceived', ({ requestId, response, type }) =>
     requests.set(requestId, { url: new URL(response.url), type, cached: response.fromDiskCache,
-                              bytes: 0 }));
+                              caching: response.headers['cache-control'], bytes: 0 }));
   session.on('Network.requestServedFromCache', ({ requestId }) => requests.set(requestId,
     { ...requests.get(requestId), cached: true }));
   session.on('Network.loadingFinished', ({ requestId, encodedDataLength }) => {
@@ -47,6 +47,34 @@ test('the page is a few small files, which a second visit takes from the cache',
   assert.deepEqual(kept.filter(name => /main|page/.test(name)), ['/main.js', '/page.css']);
   await context.close();
 });
+
+test('the texts of a language are loaded by its readers alone, and kept until they change',
+  async () => {
+    const english = await browser.newContext({ locale: 'en-US' });
+    const plain = await english.newPage();
+    const without = await noteRequests(english, plain);
+    await plain.goto(server.url);
+    await settled(plain);
+    assert.deepEqual(without().filter(each => each.url.pathname.endsWith('de.js')), []);
+    await english.close();
+
+    const context = await browser.newContext({ locale: 'de-DE' });
+    const visit = async () => {
+      const page = await context.newPage();
+      const requests = await noteRequests(context, page);
+      await page.goto(server.url);
+      await settled(page);
+      assert.equal(await page.locator('html').getAttribute('lang'), 'de');
+      return requests().filter(each => each.url.pathname === '/de.js');
+    };
+    const [first, ...others] = await visit();
+    assert.deepEqual(others, []);
+    assert.match(first.url.search, /^\?v=\w{8}$/);
+    assert.match(first.caching, /immutable/);
+    assert.equal(first.cached, false);
+    assert.deepEqual((await visit()).map(({ cached }) => cached), [true]);
+    await context.close();
+  });
 
 test('the source map leads from the bundle to the modules', async () => {
   const opened = await openPage(browser, server.url);
