@@ -27,26 +27,37 @@ test('German fits its places in all parts of the page, at 390 and 1280 pixels', 
   await close();
 });
 
-test('measurements are lost only if the user says so', async () => {
-  const { page, close } = await openPage(browser, server.url);
+test('measurements are lost only if the user says so, in the language of the page', async () => {
+  const { page, close } = await openPage(browser, inLanguage(server.url, 'de'));
+  page.on('dialog', () => assert.fail('a window of the browser has its language'));
   await measureAcross(page);
   await page.getByTestId('measure-list').locator('b').first().waitFor({ state: 'attached' });
   await page.keyboard.press('?');
-  const questions = [];
-  page.once('dialog', async dialog => {
-    questions.push(dialog.message());
-    await dialog.dismiss();
-  });
-  await page.getByTestId('choice-de').click();
-  assert.match(questions.join(), /^Your measurements would be lost/);
-  assert.equal(await page.getByTestId('choice-en').getAttribute('aria-checked'), 'true');
-  assert.equal(await page.getByTestId('measure-list').locator('b').count(), 1);
+  const question = page.getByRole('alertdialog', { name: 'Sprache wechseln' });
+  const cancel = question.getByRole('button', { name: 'Abbrechen' });
+  const focused = locator => locator.evaluate(element => element === document.activeElement);
+  for (const no of [() => page.keyboard.press('Escape'), () => cancel.click()]) {
+    await page.getByTestId('choice-en').click();
+    await question.waitFor();
+    assert.match(await question.locator('p').innerText(), /^Ihre Messungen gingen verloren/);
+    assert.ok(await focused(cancel), 'Enter does nothing that cannot be undone');
+    await shoot(page, 'german-1280-question');
+    await no();
+    await question.waitFor({ state: 'detached' });
+    await page.locator('[data-testid=choice-de][aria-checked=true]:focus').waitFor();
+    assert.ok(await page.getByTestId('help-sheet').isVisible(), 'Esc closes the question alone');
+    assert.equal(await page.getByTestId('measure-list').locator('b').count(), 1);
+  }
+  await page.getByTestId('choice-en').click();
+  await Promise.all([page.waitForNavigation(),
+    question.getByRole('button', { name: 'Sprache wechseln' }).click()]);
+  await page.locator('html[lang=en]').waitFor({ state: 'attached' });
   await close();
 });
 
 test('without its texts, the page is in English', async () => {
   const { page, complaints, context } = await openPage(browser, inLanguage(server.url, 'de'), {
-    refused: '**/de.js' });
+    refused: '**/de.js*' });
   assert.equal(await page.locator('html').getAttribute('lang'), 'en');
   assert.equal(await page.getByTestId('undo').getAttribute('aria-label'), 'Undo');
   assert.deepEqual(complaints.filter(each => !each.includes('ERR_FAILED')), []);

@@ -1,5 +1,6 @@
 // The language of the page: as the browser prefers, or as the user chooses.
 import {h} from '../elements/dom.js';
+import {ask} from '../elements/question.js';
 import {choiceRow} from '../panel/panel_parts.js';
 import {changeLanguage, language, LANGUAGES, say} from '../texts/say.js';
 
@@ -10,13 +11,17 @@ import {changeLanguage, language, LANGUAGES, say} from '../texts/say.js';
 export function createLanguage(app) {
   const codes = /** @type {import('../texts/say.js').Language[]} */ (Object.keys(LANGUAGES));
   const row = choiceRow(say`Language`, codes.map(name => ({name, title: LANGUAGES[name],
-    help: say`Language of this page. Messages of the machine are in English.`})), name => {
+    help: say`Language of this page. Messages of the machine are in English.`})), async name => {
+    if (name === language) {
+      return;
+    }
     // The page is loaded again.
-    if (app.measures.list.length === 0 || confirm(say`Your measurements would be lost. Save the
-      session to keep them. Change the language now?`)) {
+    if (app.measures.list.length === 0 || await ask(say`Your measurements would be lost. Save the
+      session to keep them. Change the language now?`, say`Change the language`)) {
       changeLanguage(name);
     } else {
       row.show(language);
+      /** @type {HTMLElement | null} */ (row.element.querySelector('[aria-checked=true]'))?.focus();
     }
   });
   row.show(language);

@@ -190,6 +190,7 @@ export default {
   'The server was started again and has a new address. Open the address that pxpl5 serve printed in its terminal. The former session has ended.': 'Der Server wurde neu gestartet und hat eine neue Adresse. Öffnen Sie die Adresse, die pxpl5 serve in seinem Terminal ausgegeben hat. Die frühere Sitzung ist beendet.',
   'This tab was opened without the token of the session. Open the address that pxpl5 serve printed in its terminal.': 'Dieser Tab wurde ohne das Token der Sitzung geöffnet. Öffnen Sie die Adresse, die pxpl5 serve in seinem Terminal ausgegeben hat.',
   'Progress': 'Fortschritt',
+  'Change the language': 'Sprache wechseln',
   'Cancel': 'Abbrechen',
   'No answer from the server for {0} s. The picture may be old.': 'Seit {0} s keine Antwort vom Server. Das Bild ist vielleicht veraltet.',
   'This session ends at {0}: {1}.': 'Diese Sitzung endet um {0}: {1}.',
