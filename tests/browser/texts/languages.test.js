@@ -27,6 +27,26 @@ test('German fits its places in all parts of the page, at 390 and 1280 pixels', 
   await close();
 });
 
+test('long words break in narrow places, and have no hyphens for screen readers', async () => {
+  const { page, close } = await openPage(browser, inLanguage(server.url, 'de'),
+                                         { viewport: { width: 390, height: 844 } });
+  const tab = page.getByTestId('tab-surfaces');
+  assert.equal(await tab.getAttribute('aria-label'), 'Oberflächen');
+  const { word, button } = await tab.evaluate(element => ({
+    word: element.querySelector('span').getBoundingClientRect().toJSON(),
+    button: element.getBoundingClientRect().toJSON() }));
+  assert.ok(word.left >= button.left && word.right <= button.right,
+            JSON.stringify({ word, button }));
+  const hyphens = await page.evaluate(() => {
+    const [text, path] = [document.createElement('p'), document.createElement('p')];
+    path.translate = false;
+    document.body.append(text, path);
+    return [text, path].map(element => getComputedStyle(element).hyphens);
+  });
+  assert.deepEqual(hyphens, ['auto', 'manual']);
+  await close();
+});
+
 test('measurements are lost only if the user says so, in the language of the page', async () => {
   const { page, close } = await openPage(browser, inLanguage(server.url, 'de'));
   page.on('dialog', () => assert.fail('a window of the browser has its language'));

@@ -34,6 +34,17 @@ test('a part that ends in a full stop has no second one behind it', () => {
   assert.equal(say`${'A.'} ${2}.`, 'A. 2.');
 });
 
+test('soft hyphens are in texts for narrow places alone', async () => {
+  const wrong = [];
+  for (const [code, load] of Object.entries(CATALOGS)) {
+    for (const [key, text] of Object.entries((await load()).default)) {
+      const isNarrow = key.endsWith('|with soft hyphens');
+      if (text.includes('\u00ad') && !isNarrow) wrong.push(`${code}: ${key}`);
+    }
+  }
+  assert.deepEqual(wrong, []);
+});
+
 test('a meaning behind a word is not shown', () => {
   assert.equal(say`note|finding`, 'note');
 });

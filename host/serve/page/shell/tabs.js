@@ -20,6 +20,7 @@ const SINGLE = '(max-width: 699px) and (orientation: portrait)';
  * @typedef {object} Tab
  * @property {string} id       ID of the section, and in `data-testid="tab-ID"`.
  * @property {string} title
+ * @property {string} [narrow] The title with soft hyphens, if it is longer than the rail is wide.
  * @property {import('../elements/icons.js').IconName} glyph
  * @property {string} help     Tooltip, one line.
  * @property {(root: HTMLElement, app: App) => void} [create]  Without: the left side.
@@ -30,8 +31,8 @@ const SINGLE = '(max-width: 699px) and (orientation: portrait)';
  * @type {Tab[]}
  */
 const TABS = [
-  {id: 'surfaces', title: say`Surfaces`, glyph: 'surfaces',
-    help: say`Isovalues, clip planes, light and material`},
+  {id: 'surfaces', title: say`Surfaces`, narrow: say`Surfaces|with soft hyphens`,
+    glyph: 'surfaces', help: say`Isovalues, clip planes, light and material`},
   {id: 'slices', title: say`Slices`, glyph: 'planes', help: say`Three slices of the scan`,
     create: createSlices},
   {id: 'measure', title: say`Measure`, glyph: 'ruler', help: say`Distances, angles, paths, regions`,
@@ -109,12 +110,13 @@ export function createTabs(app) {
  * @param {App} app
  * @param {Tips} tips
  */
-function makeTab({id, title, glyph, help, create}, app, tips) {
+function makeTab({id, title, narrow = title, glyph, help, create}, app, tips) {
   const section = create && h('section', {id: `panel-${id}`, role: 'tabpanel', hidden: true,
     'aria-labelledby': `tab-${id}`, tabindex: 0});  // The keyboard scrolls it.
   const button = h('button', {id: `tab-${id}`, role: 'tab', 'aria-selected': false,
-    'aria-controls': section?.id ?? 'left', 'data-testid': `tab-${id}`, tabindex: -1},
-  icon(glyph), h('span', {}, title));
+    'aria-controls': section?.id ?? 'left', 'data-testid': `tab-${id}`, tabindex: -1,
+    'aria-label': narrow !== title && title},
+  icon(glyph), h('span', {}, narrow));
   tips.add(button, help);
   if (section) {
     section.append(h('h2', {class: 'unseen'}, title));

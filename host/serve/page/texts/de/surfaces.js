@@ -116,7 +116,7 @@ export default {
   'The tables differ in {0} of {1} cells.': 'Die Tabellen unterscheiden sich in {0} von {1} Zellen.',
   'Add a surface at the middle of the value range': 'Oberfläche in der Mitte des Wertebereichs hinzufügen',
   '+ Add': '+ Neu',
-  'Surfaces': 'Ober\u00adflächen',
+  'Surfaces': 'Oberflächen',
   'No surfaces. Add a surface, or choose a tissue above.': 'Keine Oberflächen. Eine Oberfläche hinzufügen oder oben ein Gewebe wählen.',
   'No surfaces. Add a surface.': 'Keine Oberflächen. Eine Oberfläche hinzufügen.',
   '{0} at {1}: {2}': '{0} bei {1}: {2}',

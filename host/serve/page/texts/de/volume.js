@@ -156,7 +156,7 @@ export default {
   'letters, scale, measurements': 'Buchstaben, Maßstab, Messungen',
   'legend': 'Legende',
   'Save picture': 'Bild speichern',
-  'Surfaces': 'Ober\u00adflächen',
+  'Surfaces': 'Oberflächen',
   'Saved {0}, {1}.': '{0} gespeichert, {1}.',
   'Copied the picture, {0}.': 'Bild kopiert, {0}.',
   '1 sample per pixel': '1 Abtastung pro Pixel',
