@@ -33,6 +33,21 @@ test('students open one address and work apart, and a session that has ended beg
     await eve.getByRole('heading', { name: 'All 2 sessions are taken' }).waitFor();
     await shoot(eve, 'class-full-390');
 
+    // A reader of German gets this page in German. The address may ask for it, of the session, too.
+    const german = await browser.newContext({ locale: 'de-AT',
+                                              viewport: { width: 390, height: 700 } });
+    const uwe = await german.newPage();
+    await uwe.goto(server.url);
+    await uwe.getByRole('heading', { name: 'Alle 2 Sitzungen sind vergeben' }).waitFor();
+    assert.equal(await uwe.locator('html').getAttribute('lang'), 'de');
+    await shoot(uwe, 'class-full-german-390');
+    await eve.goto(`${server.url}&lang=de`);
+    await eve.getByRole('heading', { name: 'Alle 2 Sitzungen sind vergeben' }).waitFor();
+    await german.close();
+    await bob.page.goto(`${server.url}&lang=de`);
+    await settled(bob.page);
+    assert.equal(await bob.page.locator('html').getAttribute('lang'), 'de');
+
     // The same address opens the same session again.
     const mine = ann.page.url();
     await ann.page.goto(server.url);

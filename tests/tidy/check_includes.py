@@ -88,10 +88,11 @@ ROOMS = {
     },
     "host/commands": {"text": set(), "pictures": {"text"}, ".": {"text", "pictures"},
                       "questions": {".", "text", "pictures"}},
-    "host/serve": {"depths": set(), "video": set(), "server": {"depths", "video"},
+    "host/serve": {"depths": set(), "video": set(), "texts": set(),
+                   "server": {"depths", "video", "texts"},
                    "director": {"server"},
                    "job": {"director"}, "limits": {"server"},
-                   "classroom": {"server", "job", "limits"}, "page": set(),
+                   "classroom": {"server", "job", "limits", "texts"}, "page": set(),
                    ".": {"server", "director", "job", "limits", "classroom"}},
     "host/serve/page": {
         "texts": set(),

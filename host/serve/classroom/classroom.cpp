@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "host/serve/server/server_access.hpp"
+#include "host/serve/texts/class_texts.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -27,8 +28,8 @@ std::pair<int, std::string> place_in(const std::string& url) {
     return {port, url.substr(token + middle.size())};
 }
 
-PageAnswer starting(const char* sentence) {
-    return {200, "Your session starts", sentence, again_while_starting_s};
+PageAnswer starting(std::string_view sentence) {
+    return {200, {class_text::starts}, {sentence}, again_while_starting_s};
 }
 
 }  // namespace
@@ -42,26 +43,26 @@ PageAnswer Classroom::answer_known(const std::function<bool(const std::string&)>
         return !each.secret.empty() && has_shown(each.secret);
     };
     if (const auto entry = std::ranges::find_if(entries_, shown); entry != entries_.end()) {
-        PageAnswer answer = starting("This page shows it as soon as the volume is open.");
+        PageAnswer answer = starting(class_text::starting);
         answer.port = entry->port;
         answer.token = entry->token;
         return answer;
     }
     const auto waiting = std::ranges::find_if(waiting_, shown);
     if (waiting == waiting_.end()) {
-        return {0, "", ""};
+        return {0, {}, {}};
     }
     if (!waiting->why.empty()) {
-        return {200, "Your session has ended",
-                std::exchange(waiting->why, "") + " Reload this page to begin a new one."};
+        PageAnswer answer{200, {class_text::has_ended}, {class_text::begin_anew}};
+        answer.why = std::exchange(waiting->why, "");
+        return answer;
     }
     return begin(std::string(waiting->secret));
 }
 
 PageAnswer Classroom::answer_new() {
     const std::lock_guard lock(mutex_);
-    PageAnswer answer =
-        starting("This page shows it as soon as the volume is open. It needs cookies.");
+    PageAnswer answer = starting(class_text::first_start);
     answer.secret = random_token();
     add_waiting({answer.secret, ""});
     return answer;
@@ -83,15 +84,13 @@ PageAnswer Classroom::begin(const std::string& secret) {
         add_entry(secret);
     } else {
         return {503,
-                places_ == 1 ? "The only session is taken"
-                             : fmt::format("All {} sessions are taken", places_),
-                fmt::format("This page asks again every {} seconds, and opens your session when "
-                            "one is free.",
-                            again_when_full_s),
+                places_ == 1 ? Text{class_text::one_is_taken}
+                             : Text{class_text::all_are_taken, {std::to_string(places_)}},
+                {class_text::asks_again, {std::to_string(again_when_full_s)}},
                 again_when_full_s};
     }
     std::erase_if(waiting_, [&](const Waiting& each) { return each.secret == secret; });
-    return starting("This page shows it as soon as the volume is open.");
+    return starting(class_text::starting);
 }
 
 void Classroom::add_entry(const std::string& secret) {

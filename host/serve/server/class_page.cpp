@@ -13,6 +13,7 @@
 #include "host/serve/server/listener.hpp"
 #include "host/serve/server/server_request.hpp"
 #include "host/serve/server/strangers.hpp"
+#include "host/serve/texts/class_texts.hpp"
 
 namespace pxpl5::host::serve {
 namespace {
@@ -56,6 +57,18 @@ Verdict judge_source(const AccessRules& rules, Request request) {
     return judge(rules, request);
 }
 
+/// The language that the address asks for; empty if it asks for none.
+std::string_view asked_by(const Request& request) {
+    const auto found = request.query.find("lang");
+    return found == request.query.end() ? std::string_view{} : found->second;
+}
+
+/// The same as a part of the address of a session: "&lang=de".
+std::string asked_language(const Request& request) {
+    const std::string_view asked = asked_by(request);
+    return asked.empty() ? "" : "&lang=" + language_of(asked, "");
+}
+
 }  // namespace
 
 int last_port_in(std::string_view path) {
@@ -72,15 +85,25 @@ int last_port_in(std::string_view path) {
                : 0;
 }
 
-std::string page_text(const PageAnswer& answer) {
+std::string page_text(const PageAnswer& answer, std::string_view language) {
+    const std::string heading = escaped(text_in(answer.heading, language));
+    std::string sentence = escaped(text_in(answer.sentence, language));
+    if (!answer.why.empty()) {
+        const bool is_said = has_text(answer.why, language);
+        const std::string why = escaped(text_in({answer.why}, language));
+        sentence =
+            fmt::format("{}{}{}", is_said ? why : fmt::format("<span lang=\"en\">{}</span>", why),
+                        sentence.empty() ? "" : " ", sentence);
+    }
     return fmt::format(
-        "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
+        "<!doctype html>\n<html lang=\"{}\"><head><meta charset=\"utf-8\">"
         "<meta name=\"viewport\" content=\"width=device-width\">{}<title>{}</title>"
         "<style>{}</style></head>\n<body><main><h1>{}</h1><p>{}</p></main></body></html>\n",
+        language,
         answer.again_s == 0
             ? ""
             : fmt::format("<meta http-equiv=\"refresh\" content=\"{}\">", answer.again_s),
-        escaped(answer.heading), style, escaped(answer.heading), escaped(answer.sentence));
+        heading, style, heading, sentence);
 }
 
 class ClassPage::Core {
@@ -111,7 +134,7 @@ class ClassPage::Core {
                        std::size_t size);
     int on_event(lws* connection, int reason);
     int on_request(lws* connection);
-    int send(lws* connection, const PageAnswer& reply) const;
+    int send(lws* connection, const Request& request, const PageAnswer& reply) const;
     /// Sends a browser that has asked for another port, seen from this one, to it.
     int pass_on(lws* connection, const Request& request, int port) const;
 
@@ -163,12 +186,13 @@ int ClassPage::Core::on_request(lws* connection) {
     const Request request = read_request(connection);
     const AccessRules& rules = listener_.rules();
     if (const Verdict source = judge_source(rules, request); source.status != 200) {
-        return send(connection, {source.status, "This address is not known", source.reason});
+        PageAnswer answer{source.status, {class_text::not_known}, {}};
+        answer.why = source.reason;
+        return send(connection, request, answer);
     }
     if (request.method != "GET" || !request.path.ends_with('/')) {
-        return send(connection,
-                    {404, "There is no such page",
-                     "Open the whole address of the class, with the slash before '?'."});
+        return send(connection, request,
+                    {404, {class_text::no_such_page}, {class_text::with_slash}});
     }
     const int port = last_port_in(request.path);
     if (port != 0 && port != listener_.port() && answers_.has_port(port)) {
@@ -184,19 +208,20 @@ int ClassPage::Core::on_request(lws* connection) {
     });
     if (answer.status == 0) {
         if (judge(rules, request).status != 200) {
-            return send(connection, {403, "This address is not complete",
-                                     "Open the whole address of the class, with its token."});
+            return send(connection, request,
+                        {403, {class_text::not_complete}, {class_text::with_token}});
         }
         answer = answers_.answer_new();
     }
     strangers_.accept(connection);
-    return send(connection, answer);
+    return send(connection, request, answer);
 }
 
-int ClassPage::Core::send(lws* connection, const PageAnswer& reply) const {
+int ClassPage::Core::send(lws* connection, const Request& request, const PageAnswer& reply) const {
     if (reply.port != 0) {
         // From the place of this server's own port, which a portal may have in its path.
-        return redirect(connection, fmt::format("../{}/?token={}", reply.port, reply.token));
+        return redirect(connection, fmt::format("../{}/?token={}{}", reply.port, reply.token,
+                                                asked_language(request)));
     }
     // Lax: a browser shows the cookie also when it follows a link to this page.
     const std::string cookie =
@@ -208,7 +233,9 @@ int ClassPage::Core::send(lws* connection, const PageAnswer& reply) const {
     if (!cookie.empty()) {
         headers.push_back({WSI_TOKEN_HTTP_SET_COOKIE, cookie});
     }
-    const int kept = answer(connection, reply.status, html, page_text(reply), headers);
+    const std::string language =
+        language_of(asked_by(request), header_of(connection, WSI_TOKEN_HTTP_ACCEPT_LANGUAGE));
+    const int kept = answer(connection, reply.status, html, page_text(reply, language), headers);
     return reply.status == 200 ? kept : -1;
 }
 
@@ -217,12 +244,13 @@ int ClassPage::Core::pass_on(lws* connection, const Request& request, int port) 
     constexpr std::string_view digits = "0123456789abcdef";
     if (token == request.query.end() ||
         token->second.find_first_not_of(digits) != std::string::npos) {
-        return send(connection,
-                    {403, "This address is not complete", "Open the address of the class again."});
+        return send(connection, request,
+                    {403, {class_text::not_complete}, {class_text::open_again}});
     }
-    return redirect(connection, fmt::format("{}://{}:{}/?token={}",
-                                            listener_.rules().encrypted ? "https" : "http",
-                                            without_port(request.host), port, token->second));
+    return redirect(
+        connection,
+        fmt::format("{}://{}:{}/?token={}{}", listener_.rules().encrypted ? "https" : "http",
+                    without_port(request.host), port, token->second, asked_language(request)));
 }
 
 ClassPage::ClassPage(const ServerOptions& options, ClassAnswers& answers)

@@ -7,17 +7,19 @@
 #include <string_view>
 
 #include "host/serve/server/server.hpp"
+#include "host/serve/texts/texts.hpp"
 
 namespace pxpl5::host::serve {
 
 /// The answer to a browser: a page with a heading and a sentence, or the port of a session.
 struct PageAnswer {
     int status = 200;  ///< HTTP status.
-    std::string heading, sentence;
+    Text heading, sentence;
     int again_s = 0;          ///< Seconds until the browser asks again; 0: never.
     std::string secret = {};  ///< Not empty: from now on the browser's cookie.
     int port = 0;             ///< Not 0: the browser is sent to this port of the computer.
     std::string token = {};   ///< The driver's token of the server there.
+    std::string why = {};     ///< A sentence of the machine in English, before the other.
 };
 
 /// The page's questions. All are called in the thread of the page.
@@ -61,7 +63,9 @@ class ClassPage {
 /// The port that ends a path such as "/rnode/n1/4712/"; 0 if there is none.
 int last_port_in(std::string_view path);
 
-/// A page of HTML. Both texts are plain.
-std::string page_text(const PageAnswer& answer);
+/// A page of HTML. All texts are plain.
+///
+/// language  As language_of() returns it.
+std::string page_text(const PageAnswer& answer, std::string_view language);
 
 }  // namespace pxpl5::host::serve

@@ -1,9 +1,11 @@
 #include <doctest/doctest.h>
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "host/serve/classroom/classroom.hpp"
+#include "host/serve/texts/class_texts.hpp"
 
 namespace pxpl5::host::serve {
 
@@ -35,7 +37,7 @@ TEST_CASE("a browser gets one session, which it finds again") {
     CHECK(ann.size() == 32);
     CHECK(lab.room.taken() == 0);  // Browsers without cookies take no session.
     CHECK(lab.comes(ann).again_s == 1);
-    CHECK(lab.comes(ann).heading == "Your session starts");
+    CHECK(lab.comes(ann).heading.english == "Your session starts");
     CHECK(lab.wakes == 1);
     CHECK(lab.starts() == 1);
     CHECK(lab.starts() == 0);
@@ -62,22 +64,22 @@ TEST_CASE("more browsers than sessions wait until one has ended") {
     CHECK(lab.comes(ann).status == 200);
     const PageAnswer full = lab.comes(bob);
     CHECK(full.status == 503);
-    CHECK(full.heading == "The only session is taken");
+    CHECK(full.heading.english == "The only session is taken");
     CHECK(full.again_s > 0);
     const auto first = lab.room.take_wanted();
     REQUIRE(first.size() == 1);
     CHECK(first[0].place == 1);
     lab.room.ended(first[0].number, "It has no memory.");
-    CHECK(lab.comes(bob).heading == "Your session starts");
+    CHECK(lab.comes(bob).heading.english == "Your session starts");
     const auto second = lab.room.take_wanted();
     REQUIRE(second.size() == 1);
     CHECK(second[0].number == 2);
     CHECK(second[0].place == 1);
     // The other browser reads the reason once, and waits after that.
-    CHECK(lab.comes(ann).heading == "Your session has ended");
+    CHECK(lab.comes(ann).heading.english == "Your session has ended");
     CHECK(lab.comes(ann).status == 503);
     lab.room.ended(2, "");
-    CHECK(lab.comes(ann).heading == "Your session starts");
+    CHECK(lab.comes(ann).heading.english == "Your session starts");
 }
 
 TEST_CASE("a browser gets the reason of the end of its session once") {
@@ -89,8 +91,10 @@ TEST_CASE("a browser gets the reason of the end of its session once") {
     CHECK(lab.room.taken() == 1);
     lab.room.ended(1, "It has no memory.");
     CHECK(lab.room.taken() == 0);
-    CHECK(lab.comes(ann).sentence == "It has no memory. Reload this page to begin a new one.");
-    CHECK(lab.comes(ann).heading == "Your session starts");
+    const PageAnswer end = lab.comes(ann);
+    CHECK(end.why == "It has no memory.");
+    CHECK(end.sentence.english == "Reload this page to begin a new one.");
+    CHECK(lab.comes(ann).heading.english == "Your session starts");
     CHECK(lab.starts() == 1);
 }
 
@@ -126,7 +130,7 @@ TEST_CASE("the first browser gets the session that was started ahead") {
     CHECK(lab.room.taken() == 2);
     lab.room.ended(2, "x");
     lab.room.ended(1, "y");
-    CHECK(lab.comes(ann).sentence.starts_with("y"));
+    CHECK(lab.comes(ann).why == "y");
 }
 
 TEST_CASE("an address without a port is no address") {
@@ -141,6 +145,51 @@ TEST_CASE("an address without a port is no address") {
     }
 }
 
+TEST_CASE("each language has all texts of the page, and no other") {
+    for (const std::string_view english : class_text::all) {
+        CHECK_MESSAGE(has_text(english, "de"), english);
+        const bool has_place = english.find("{0}") != std::string_view::npos;
+        const std::string german = text_in({english}, "de");
+        CHECK_MESSAGE((german.find("{0}") != std::string::npos) == has_place, english);
+    }
+    CHECK(count_of_texts("de") == class_text::all.size());
+    CHECK(!has_text("Your session", "de"));
+    CHECK(has_text("Your session", "en"));
+    CHECK(count_of_texts("fr") == 0);
+    CHECK(text_in({class_text::starts}, "fr") == class_text::starts);
+}
+
+TEST_CASE("the page follows the address, then the browser") {
+    CHECK(language_of("", "") == "en");
+    CHECK(language_of("de", "en") == "de");
+    CHECK(language_of("DE-at", "") == "de");
+    CHECK(language_of("marked", "de") == "de");
+    CHECK(language_of("", "de-AT,de;q=0.9,en;q=0.8") == "de");
+    CHECK(language_of("", "fr-CH, fr;q=0.9, en;q=0.3, de;q=0.7, *;q=0.5") == "de");
+    CHECK(language_of("", "en-US,en;q=0.5,de;q=0.3") == "en");
+    CHECK(language_of("", "de;q=0, en;q=0.1") == "en");
+    CHECK(language_of("", "fr, ,;,de;q=x,q=1") == "en");
+}
+
+TEST_CASE("the page is in the language of its reader, and names what is not") {
+    Class lab(2);
+    for (int n = 0; n < 2; ++n) {
+        lab.comes(lab.joins());
+    }
+    const std::string full = page_text(lab.comes(lab.joins()), "de");
+    CHECK(full.find("<html lang=\"de\">") != std::string::npos);
+    CHECK(full.find("<h1>Alle 2 Sitzungen sind vergeben</h1>") != std::string::npos);
+    CHECK(full.find("<p>Diese Seite fragt alle 15 Sekunden erneut") != std::string::npos);
+
+    PageAnswer end{200, {class_text::has_ended}, {class_text::begin_anew}};
+    end.why = "a<b.";
+    CHECK(page_text(end, "de").find("<p><span lang=\"en\">a&lt;b.</span> Laden Sie") !=
+          std::string::npos);
+    CHECK(page_text(end, "en").find("<p>a&lt;b. Reload this page") != std::string::npos);
+    end.why = class_text::asked_to_end;
+    CHECK(page_text(end, "de").find("<p>Die Sitzung wurde beendet, ") != std::string::npos);
+}
+
 TEST_CASE("the port of a session ends the path") {
     CHECK(last_port_in("/4711/") == 4711);
     CHECK(last_port_in("/rnode/n1/4711/") == 4711);
@@ -151,10 +200,10 @@ TEST_CASE("the port of a session ends the path") {
 }
 
 TEST_CASE("a page shows texts as texts") {
-    const std::string page = page_text({200, "A & <b>", "</p><script>", 5});
+    const std::string page = page_text({200, {"A & <b>"}, {"</p><script>"}, 5}, "en");
     CHECK(page.find("<h1>A &amp; &lt;b></h1><p>&lt;/p>&lt;script></p>") != std::string::npos);
     CHECK(page.find("content=\"5\"") != std::string::npos);
-    CHECK(page_text({200, "A", "B"}).find("refresh") == std::string::npos);
+    CHECK(page_text({200, {"A"}, {"B"}}, "en").find("refresh") == std::string::npos);
 }
 
 }  // namespace pxpl5::host::serve
