@@ -28,4 +28,13 @@ struct IoFailure : RequestError {
     using RequestError::RequestError;
 };
 
+/// Returns the text of an error with one full stop at its end, for a text that goes on behind it.
+/// Most errors have none. Errors that end in a remedy, and those of libraries, may have one.
+inline std::string with_stop(std::string text) {
+    if (!text.ends_with('.')) {
+        text += '.';
+    }
+    return text;
+}
+
 }  // namespace pxpl5::host

@@ -37,7 +37,7 @@ int pause_ms(const RestartSettings& rule, int restarts) {
 
 [[noreturn]] void give_up(const MachineError& death, const std::string& reason = {}) {
     MachineError last(death.code,
-                      reason.empty() ? death.what() : fmt::format("{}. {}", death.what(), reason));
+                      reason.empty() ? death.what() : with_stop(death.what()) + " " + reason);
     last.node = death.node;
     last.is_final = true;
     throw last;
@@ -120,8 +120,8 @@ Recovery::Attempt Recovery::plan(const MachineError& death, int number,
         next.pause_ms == 0
             ? ""
             : fmt::format(" after a pause of {:g} s", static_cast<double>(next.pause_ms) / 1000);
-    tell(fmt::format("{}. The machine is started again{} (restart {} of {})", death.what(), pause,
-                     number, rule.max),
+    tell(fmt::format("{} The machine is started again{} (restart {} of {})",
+                     with_stop(death.what()), pause, number, rule.max),
          false);
     return next;
 }

@@ -97,7 +97,7 @@ std::string sentence(std::string text) {
     if (text.starts_with("the session")) {
         text.front() = 'T';
     }
-    return text.ends_with('.') ? text : text + ".";
+    return with_stop(std::move(text));
 }
 
 class ClassServer {

@@ -163,7 +163,7 @@ void Director::do_command(const Wish& wish) {
         note_change();
         if (is_back) {
             throw RequestError(error.code,
-                               fmt::format("{}. The scene before it is open again.", error.what()));
+                               with_stop(error.what()) + " The scene before it is open again.");
         }
         throw;
     } catch (const std::exception&) {
@@ -332,7 +332,7 @@ void Director::tell_end(const MachineError& death) {
     if (death.is_interruption) {
         return;
     }
-    note("error", fmt::format("{}. The program ends.", death.what()));
+    note("error", with_stop(death.what()) + " The program ends.");
     if (!is_restarting_) {
         keep_session();
     }

@@ -5,6 +5,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "generated/page_schema.hpp"
+#include "host/base/error.hpp"
 #include "host/commands/text/volume_text.hpp"
 #include "host/session/transfer/detail.hpp"
 #include "host/volume/identity.hpp"
@@ -139,8 +140,9 @@ void add_looks(const Scene& scene, State& state) {
 }  // namespace
 
 std::string sentence_of(const EndNotice& notice) {
-    return notice.at.empty() ? fmt::format("This session ends soon: {}.", notice.why)
-                             : fmt::format("This session ends at {}: {}.", notice.at, notice.why);
+    const std::string why = with_stop(notice.why);
+    return notice.at.empty() ? fmt::format("This session ends soon: {}", why)
+                             : fmt::format("This session ends at {}: {}", notice.at, why);
 }
 
 std::string state_text(const Session& session, const StateExtras& extras) {

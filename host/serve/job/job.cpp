@@ -90,11 +90,11 @@ std::string first_line(const std::string& text) {
 }
 
 RequestError refused(const std::string& program, const ProgramEnd& end, const std::string& remedy) {
-    return {ExitCode::unavailable, end.is_in_time
-                                       ? fmt::format("{} has failed with code {}: {}. {}", program,
-                                                     end.code, first_line(end.errors), remedy)
-                                       : fmt::format("{} has not answered within {} s. {}", program,
-                                                     slurm_ms / 1000, remedy)};
+    return {ExitCode::unavailable,
+            end.is_in_time ? fmt::format("{} has failed with code {}: {} {}", program, end.code,
+                                         with_stop(first_line(end.errors)), remedy)
+                           : fmt::format("{} has not answered within {} s. {}", program,
+                                         slurm_ms / 1000, remedy)};
 }
 
 SubmittedJob submit(const JobOptions& job, const std::string& time_limit) {

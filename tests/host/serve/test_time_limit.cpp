@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "host/base/error.hpp"
+#include "host/serve/director/state_text.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host::serve;
@@ -142,4 +143,13 @@ TEST_CASE("a watch without an end warns of nothing and ends at once") {
         const EndWatch watch(signal, std::nullopt, [&](const EndsSoon&) { has_warned = true; });
     }
     CHECK_FALSE(has_warned);
+}
+
+TEST_CASE("a notice of the end has one full stop, whatever its reason ends in") {
+    for (const char* why : {"the host says stop", "the host says stop."}) {
+        CHECK(sentence_of(EndNotice{"", why, "", "", ""}) ==
+              "This session ends soon: the host says stop.");
+        CHECK(sentence_of(EndNotice{"12:30", why, "", "", ""}) ==
+              "This session ends at 12:30: the host says stop.");
+    }
 }
