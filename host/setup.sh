@@ -11,7 +11,7 @@ packages=(
     libzmq3-dev cppzmq-dev libflatbuffers-dev flatbuffers-compiler
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
-    libseccomp-dev libexpat1-dev libblosc-dev
+    libseccomp-dev libexpat1-dev libblosc-dev libarchive-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     libwebsockets-dev libturbojpeg0-dev libvpx-dev libavformat-dev esbuild libnlopt-dev
     doctest-dev libbenchmark-dev jq
@@ -67,9 +67,10 @@ if $has_cluster && [ ! -e $policy ]; then
 fi
 log=$(mktemp)
 echo "setup: installing ${#missing[@]} packages: ${missing[*]}"
-if ! { "${as_root[@]}" apt-get update &&
-    DEBIAN_FRONTEND=noninteractive "${as_root[@]}" apt-get install -y --no-install-recommends \
-        "${missing[@]}"; } >"$log" 2>&1; then
+# A new machine may be installing its own updates: both wait for that to end.
+apt=("${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -o DPkg::Lock::Timeout=600)
+if ! { "${apt[@]}" update &&
+    "${apt[@]}" install -y --no-install-recommends "${missing[@]}"; } >"$log" 2>&1; then
     tail -n 20 "$log" >&2
     echo "setup: apt-get failed; the whole log is $log" >&2
     exit 69
