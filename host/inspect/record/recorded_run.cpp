@@ -144,17 +144,18 @@ RegionPlace RecordedFrame::region_at(int x, int y) const {
 
 RecordedRun::RecordedRun(std::vector<NodeTrace> nodes) {
     for (NodeTrace& node : nodes) {
-        const bus::NodeId id = node.info.node;
-        roles_[id] = {node.info.role, node.info.index};
-        nodes_.insert_or_assign(id, std::move(node));
+        roles_[node.info.node] = {node.info.role, node.info.index};
+        nodes_.insert_or_assign(bus::NodeId{node.info.node}, std::move(node));
     }
     for (const auto& [id, node] : nodes_) {
         index_node(id, node);
     }
     if (gp_count_ == 0 || renderer_count_ == 0) {
-        throw RequestError(ExitCode::bad_data,
-                           fmt::format("none of {} traces describes the machine (Topology message)",
-                                       nodes_.size()));
+        std::string text = fmt::format("none of {} traces describes the machine", nodes_.size());
+        for (const auto& [id, node] : nodes_) {
+            text += node.cut.empty() ? "" : "; " + node_name(id) + ": " + node.cut;
+        }
+        throw RequestError(ExitCode::bad_data, text);
     }
 }
 

@@ -135,6 +135,20 @@ TEST_CASE("the volume of a frame is put together from the slices of all GPs") {
           volume->header.as<schema::VolumeHeader>()->name()->str());
 }
 
+TEST_CASE("traces that are cut before the Topology are refused with the reason of each cut") {
+    test::RecordedMachine recorded(machine_of(1, 1));
+    std::vector<inspect::NodeTrace> traces = recorded.traces.traces();
+    REQUIRE(traces.size() == 4);
+    for (inspect::NodeTrace& trace : traces) {
+        trace.entries.clear();
+    }
+    const std::string refusal = "none of 4 traces describes the machine";
+    CHECK_THROWS_WITH(inspect::RecordedRun{traces}, refusal.c_str());
+    traces[1].cut = "the last record has 9 of 40 bytes";
+    CHECK_THROWS_WITH(inspect::RecordedRun{traces},
+                      (refusal + "; gp-0: the last record has 9 of 40 bytes").c_str());
+}
+
 TEST_CASE("what is not in a run is refused by name") {
     test::RecordedMachine recorded(machine_of(1, 1));
     recorded.session.scene.size = {130, 20};
