@@ -14,6 +14,7 @@
 #include <string_view>
 
 #include "host/base/answer.hpp"
+#include "host/base/chart_axis.hpp"
 #include "host/base/error.hpp"
 #include "host/base/part_file.hpp"
 #include "host/commands/command_handlers.hpp"
@@ -168,8 +169,8 @@ Reply run_play(Session& session, const Arguments& arguments) {
                 error.code, fmt::format("{}, line {}, '{}': {}", path, number, line, error.what()));
         }
     }
-    return {fmt::format("played {} commands of {}", done, path),
-            {{"file", path}, {"commands", done}}};
+    const std::string commands = counted(static_cast<std::uint64_t>(done), "command");
+    return {fmt::format("played {} of {}", commands, path), {{"file", path}, {"commands", done}}};
 }
 
 }  // namespace pxpl5::host

@@ -21,7 +21,6 @@ inline void declare_server(CLI::App& app, ServeOptions& options) {
         ->allow_extra_args(false)
         ->type_name("NAME[:PORT]");
     app.add_option("--session", options.session, "Open a saved session instead of a volume")
-        ->check(CLI::ExistingFile)
         ->excludes(app.get_option("volume"), app.get_option("--surface"));
     app.add_option("--time-limit", options.time_limit,
                    "Time until this program is ended from outside, to warn 2 minutes before: 90 "

@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstdint>
 #include <string_view>
 #include <utility>
+#include <variant>
 
 #include "host/base/error.hpp"
 #include "host/base/reply.hpp"
@@ -260,8 +262,16 @@ void Director::open_session(const std::string& file) {
     state_is_old_ = true;
     ++revision_;
     session_->check_command = refuse_output;
-    run({"play", {file}, {}});
+    const Reply played = run({"play", {file}, {}});
     session_->check_command = parts_.check_command;
+    for (const auto& [name, value] : played.fields) {
+        const auto* const count = std::get_if<std::int64_t>(&value);
+        if (name == "commands" && count != nullptr && *count == 0) {
+            throw RequestError(
+                ExitCode::bad_data,
+                fmt::format("{}: no saved session: there is no command in it", file));
+        }
+    }
 }
 
 void Director::show_first_surfaces() {

@@ -367,8 +367,13 @@ class Serve(Case):
             for node in nodes:
                 self.assertFalse(pathlib.Path(f"/proc/{node}").exists())
 
-    def test_a_volume_that_is_none_ends_it_with_a_sentence(self):
-        for words, code in ((["nowhere.nrrd"], 65), (["phantom:pelvi"], 64),
+    def test_content_that_is_none_ends_it_with_a_sentence(self):
+        empty = pathlib.Path(self.folder.name, "empty.pxpl5")
+        empty.write_text("# Comments are no commands.\n\n")
+        for words, code in ((["--session", str(empty)], 65),
+                            (["--session", str(empty.with_name("nowhere.pxpl5"))], 65),
+                            (["--session", str(empty.parent)], 65),
+                            (["nowhere.nrrd"], 65), (["phantom:pelvi"], 64),
                             (["/proc/kmsg"], 65), (["/proc/self"], 65), (["/dev/zero"], 65),
                             (["phantom:sphere", "--bind", "0.0.0.0"], 64)):
             done = subprocess.run(
