@@ -1,9 +1,11 @@
 // The panels' modules that need no browser: places of voxels, slices, the ring's flows.
 import assert from 'node:assert/strict';
+import {readFileSync} from 'node:fs';
 import test from 'node:test';
 
 import {factsOf} from '../../host/serve/page/machine/model_view.js';
 import {belongTo} from '../../host/serve/page/machine/region_map.js';
+import {STAGES} from '../../host/serve/page/machine/stage_bars.js';
 import {dotsOf, flowsOf, stretchesOf, sumsOf} from '../../host/serve/page/machine/ring_flow.js';
 import {nearestVoxel, patientText, toPatient, toVoxel}
   from '../../host/serve/page/slices/patient_grid.js';
@@ -102,6 +104,18 @@ test('unevenly spaced rows keep their positions, with equal scales across and do
   near(boxAt(slice, placed, 0, 0), [450, 20]);
   near(boxAt(slice, placed, 5, 2), [550, 20 + 160]);
   near(sliceAtBox(slice, placed, ...boxAt(slice, placed, 3.25, 1.5)), [3.25, 1.5]);
+});
+
+test('the page has words for each stage that nodes report', () => {
+  const files = ['ringbus/stage_clock.hpp', 'gp_firmware/node/stages.hpp',
+    'renderer_firmware/node.hpp', 'host/frame_buffer/node.hpp'];
+  const stages = files.flatMap(file => {
+    const text = readFileSync(new URL(`../../${file}`, import.meta.url), 'utf8');
+    const [, list] = text.match(/namespace (?:\w+::)*stage \{(.*?)\n\}/s) ?? [];
+    assert.ok(list, file);
+    return [...list.matchAll(/string_view \w+ = "(\w+)"/g)].map(([, name]) => name);
+  });
+  assert.deepEqual(stages.toSorted(), [...STAGES.keys()].toSorted());
 });
 
 /** @param {string} name @param {any[]} sent */

@@ -10,7 +10,7 @@ import {say} from '../texts/say.js';
 const KINDS = [['gp', say`GPs`], ['renderer', say`Renderers`],
   ['framebuffer', say`Frame buffer`]];
 /** Stages of the nodes, as the page writes them. */
-const STAGES = new Map([['wait', say`wait`], ['receive', say`receive`], ['send', say`send`],
+export const STAGES = new Map([['wait', say`wait`], ['receive', say`receive`], ['send', say`send`],
   ['work', say`work`], ['load', say`load`], ['extract', say`extract`],
   ['simplify', say`simplify`], ['measure', say`measure`], ['assign', say`assign`],
   ['transform', say`transform`], ['select', say`select`], ['set_up', say`set up`],
