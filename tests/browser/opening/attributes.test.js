@@ -50,6 +50,20 @@ test('the attributes are those of the middle slice of the open series, and can b
   await page.keyboard.press('Escape');
 });
 
+test('a click beside a dialog closes it, a selection that ends there does not', async () => {
+  await byId('attributes-show').click();
+  const dialog = byId('attributes');
+  await dialog.waitFor();
+  const box = await byId('attributes-filter').boundingBox();
+  await page.mouse.move(box.x + 9, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(3, 3);
+  await page.mouse.up();
+  assert.ok(await dialog.isVisible());
+  await page.mouse.click(3, 3);
+  await dialog.waitFor({ state: 'hidden' });
+});
+
 test('before saving, the page says that the scan names a patient and may show a face', async () => {
   await byId('save-menu').click();
   await waitForText('privacy', /contains a patient's name.*If a head is seen/s);

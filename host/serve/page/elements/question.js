@@ -1,5 +1,6 @@
 // A question that is answered before the page goes on, in the language of the page.
 import {say} from '../texts/say.js';
+import {closeBeside} from './dialog.js';
 import {h} from './dom.js';
 
 /**
@@ -19,11 +20,7 @@ export function ask(question, yes) {
         onclick: () => dialog.close('yes')}, yes),
       h('button', {type: 'button', autofocus: true, 'data-testid': 'question-no',
         onclick: () => dialog.close()}, say`Cancel`)));
-    dialog.addEventListener('click', event => {
-      if (event.target === dialog) {
-        dialog.close();
-      }
-    });
+    closeBeside(dialog);
     dialog.addEventListener('close', () => {
       dialog.remove();
       answer(dialog.returnValue === 'yes');

@@ -1,4 +1,5 @@
 // The help sheet: gestures, keys, panels and surfaces.
+import {closeBeside} from '../elements/dialog.js';
 import {h} from '../elements/dom.js';
 import {say} from '../texts/say.js';
 import {createLanguage} from './language.js';
@@ -92,11 +93,7 @@ export function createHelp(app, headset, tour) {
       h('dl', {}, ...rows.flatMap(([key, what, keys]) => [h('dt', {'data-keys': keys}, key),
         h('dd', {}, what)]))))));
   dialog.querySelector('.sheet')?.append(headset);
-  dialog.addEventListener('click', event => {
-    if (event.target === dialog) {
-      dialog.close();
-    }
-  });
+  closeBeside(dialog);
   document.body.append(dialog);
   return () => dialog.showModal();
 }

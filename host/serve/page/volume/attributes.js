@@ -1,4 +1,5 @@
 // The DICOM attributes of the open scan's middle file, in a dialog with a filter.
+import {closeBeside} from '../elements/dialog.js';
 import {h} from '../elements/dom.js';
 import {grouped} from '../elements/numbers.js';
 import {plural, say} from '../texts/say.js';
@@ -49,11 +50,7 @@ export function createAttributes(app) {
         '×')),
     h('label', {class: 'row'}, say`Filter`, filter), told,
     h('div', {class: 'scroll', tabindex: 0, role: 'region', 'aria-label': say`Attributes`}, table));
-  dialog.addEventListener('click', event => {
-    if (event.target === dialog) {
-      dialog.close();
-    }
-  });
+  closeBeside(dialog);
   document.body.append(dialog);
   /** @type {{file: string, attributes: Attribute[], is_whole: boolean} | null} */
   let answer = null;

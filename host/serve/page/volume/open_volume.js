@@ -1,5 +1,6 @@
 // Opens a volume: a path on the server's computer, dropped files, or a built-in volume. The
 // browser unpacks dropped ZIP archives.
+import {closeBeside} from '../elements/dialog.js';
 import {h, setMessage} from '../elements/dom.js';
 import {word} from '../link/lines.js';
 import {say} from '../texts/say.js';
@@ -150,11 +151,7 @@ export function createOpenDialog(app) {
     h('div', {class: 'cards'}, ...PHANTOMS.map(({name, about}) => h('button', {class: 'card',
       'data-testid': `phantom-${name}`, onclick: () => openPhantom(name)},
       h('strong', {}, name), h('span', {class: 'muted'}, about)))));
-  dialog.addEventListener('click', event => {
-    if (event.target === dialog) {
-      dismiss();
-    }
-  });
+  closeBeside(dialog, dismiss);
   document.body.append(dialog);
   watchDrops(open);
   return () => {

@@ -1,4 +1,5 @@
 // Saves a mesh, a picture or the session, and reopens a session.
+import {closeBeside} from '../elements/dialog.js';
 import {h} from '../elements/dom.js';
 import {saveAs, saveBlob} from '../elements/save_file.js';
 import {word} from '../link/lines.js';
@@ -60,11 +61,7 @@ export function createSaveDialog(app) {
         onclick: () => dialog.close()}, '×')),
     privacy.root,
     picture.element, film.element, meshPart(app, dialog), sessionPart(app, dialog));
-  dialog.addEventListener('click', event => {
-    if (event.target === dialog) {
-      dialog.close();
-    }
-  });
+  closeBeside(dialog);
   document.body.append(dialog);
   return () => {
     if (!app.connection.watches) {
