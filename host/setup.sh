@@ -11,7 +11,7 @@ packages=(
     libzmq3-dev cppzmq-dev libflatbuffers-dev flatbuffers-compiler
     libglm-dev libhwy-dev libuv1-dev libedit-dev libcli11-dev libfmt-dev nlohmann-json3-dev
     libopenimageio-dev libgdcm-dev zlib1g-dev libbz2-dev libpng-dev libzstd-dev
-    libseccomp-dev libexpat1-dev libblosc-dev
+    libseccomp-dev libexpat1-dev libblosc-dev libarchive-dev libzip-dev
     libcairo2-dev fonts-dejavu-core libmeshoptimizer-dev libassimp-dev
     libwebsockets-dev libturbojpeg0-dev libvpx-dev libavformat-dev esbuild libnlopt-dev
     doctest-dev libbenchmark-dev jq

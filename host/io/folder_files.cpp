@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <iterator>
 #include <system_error>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "host/base/part_file.hpp"
 #include "host/io/dicom/dicom_file.hpp"
 #include "host/io/formats/picture_stack.hpp"
+#include "host/io/packed/packed_files.hpp"
 #include "host/io/values/header_text.hpp"
 #include "host/io/values/import_request.hpp"
 
@@ -71,8 +73,31 @@ std::vector<fs::path> files_of(const fs::path& folder) {
     return files;
 }
 
-bool is_dicom_directory(const fs::path& file) {
-    return lower_case(file.filename().string()) == "dicomdir";
+/// None of the directory of a disk, which begins as a DICOM file.
+std::vector<DicomSlice> slices_of(const DicomInput& file) {
+    return lower_case(file.path.filename().string()) == "dicomdir" ? std::vector<DicomSlice>{}
+                                                                   : read_dicom_slices(file);
+}
+
+/// Adds the slices of one file, which `read` returns. Returns whether the file could be read.
+bool add_slices(const fs::path& source, FolderFiles& found,
+                const std::function<std::vector<DicomSlice>()>& read) {
+    std::vector<DicomSlice> slices;
+    try {
+        slices = read();
+    } catch (const NoSlices& error) {
+        found.left_out.push_back({FindingKind::other_series, error.what()});
+        return false;
+    } catch (const ImportError& error) {
+        found.left_out.push_back({FindingKind::missing_slices, error.what()});
+        return false;
+    }
+    if (found.slices.size() + slices.size() > max_slices) {
+        throw ImportError(fmt::format("{}: has more than {} slices", source.string(), max_slices));
+    }
+    found.others += slices.empty() ? 1 : 0;
+    std::ranges::move(slices, std::back_inserter(found.slices));
+    return true;
 }
 
 }  // namespace
@@ -80,28 +105,30 @@ bool is_dicom_directory(const fs::path& file) {
 FolderFiles look_through(const fs::path& folder, const AllowedFolders& allowed) {
     FolderFiles found;
     for (const fs::path& file : files_of(folder)) {
-        std::vector<DicomSlice> slices;
-        try {
+        const bool is_read = add_slices(folder, found, [&] {
             if (fs::is_symlink(file)) {
                 check_link(file, folder, allowed);
             }
-            slices = is_dicom_directory(file) ? slices : read_dicom_slices(file);
-        } catch (const NoSlices& error) {
-            found.left_out.push_back({FindingKind::other_series, error.what()});
-            continue;
-        } catch (const ImportError& error) {
-            found.left_out.push_back({FindingKind::missing_slices, error.what()});
-            continue;
-        }
-        if (found.slices.size() + slices.size() > max_slices) {
-            throw ImportError(
-                fmt::format("{}: has more than {} slices", folder.string(), max_slices));
-        }
-        std::move(slices.begin(), slices.end(), std::back_inserter(found.slices));
-        if (is_picture(file)) {
+            return slices_of(file);
+        });
+        if (is_read && is_picture(file)) {
             found.pictures.push_back(file);
         }
-        found.others += slices.empty() ? 1 : 0;
+    }
+    return found;
+}
+
+FolderFiles look_through_archive(const fs::path& archive) {
+    const PackedFiles files = unpack(archive);
+    FolderFiles found;
+    found.others = files.others;
+    found.links = files.links;
+    found.repeated = files.repeated;
+    for (const std::string& text : files.unreadable) {
+        found.left_out.push_back({FindingKind::missing_slices, text});
+    }
+    for (const DicomInput& file : files.dicom) {
+        add_slices(archive, found, [&] { return slices_of(file); });
     }
     return found;
 }
@@ -117,6 +144,16 @@ void report_left_out(const FolderFiles& files, Volume& volume) {
                                    fmt::format("{} more files cannot be read and are left out",
                                                files.left_out.size() - max_named)});
     }
+    const auto note = [&](std::size_t count, const char* one, const char* more) {
+        if (count > 0) {
+            volume.findings.push_back(
+                {FindingKind::note, count == 1 ? one : fmt::format("{} {}", count, more)});
+        }
+    };
+    note(files.links, "1 link in the archive is not followed",
+         "links in the archive are not followed");
+    note(files.repeated, "1 file has the name of a later file in the archive",
+         "files have the name of a later file in the archive");
     const bool are_pictures = files.slices.empty();
     const std::size_t pictures = files.pictures.size() + files.other_pictures;
     const std::size_t others = files.others - (are_pictures ? pictures : 0);

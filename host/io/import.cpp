@@ -151,6 +151,33 @@ FolderFiles files_of_volume(const fs::path& folder, const ImportRequest& request
     return files;
 }
 
+FolderFiles files_of_archive(const std::string& source, const ImportRequest& request) {
+    constexpr const char* remedy = "Unpack it, and load the folder or file that holds the volume";
+    if (request.read == ReadBy::gps) {
+        refuse_gps(source, "its files are packed", remedy);
+    }
+    FolderFiles files = look_through_archive(source);
+    if (files.slices.empty()) {
+        const std::string none =
+            files.others == 0 ? "there are no files in it"
+            : files.others == 1
+                ? "the only file in it is no DICOM image"
+                : fmt::format("none of the {} files in it is a DICOM image", files.others);
+        throw ImportError(files.left_out.empty() ? fmt::format("{}: {}. {}", source, none, remedy)
+                                                 : files.left_out.front().text);
+    }
+    return files;
+}
+
+Volume import_archive(const std::string& source, Importer::Shared& shared) {
+    if (!shared.folder) {
+        shared.folder = files_of_archive(source, shared.request);
+    }
+    Volume volume = import_readable(source, *shared.folder, shared.request);
+    report_left_out(*shared.folder, volume);
+    return volume;
+}
+
 Volume import_folder(const fs::path& folder, Importer::Shared& shared) {
     const std::string source = folder.string();
     const ImportRequest& request = shared.request;
@@ -221,6 +248,9 @@ Volume import_checked(const fs::path& path, Importer::Shared& shared) {
     if (fs::is_directory(path) && !has_chunks) {
         return import_folder(path, shared);
     }
+    if (format == Format::packed) {
+        return import_archive(path.string(), shared);
+    }
     if (!request.series.empty() && (format != Format::dicom || has_chunks)) {
         throw ImportError(fmt::format("{}: series is '{}', but only DICOM holds series",
                                       path.string(), request.series));
@@ -256,7 +286,9 @@ std::string name_of(const fs::path& path) {
     if (fs::is_directory(path)) {
         return last.string();
     }
-    return last.extension() == ".gz" ? last.stem().stem().string() : last.stem().string();
+    const fs::path stem = last.stem();  // "scan.nii.gz" and "scan.tar.xz" are "scan".
+    return last.extension() == ".gz" || stem.extension() == ".tar" ? stem.stem().string()
+                                                                   : stem.string();
 }
 
 Volume import_phantom(const ImportRequest& request) {
@@ -334,8 +366,17 @@ std::vector<DicomSlice> find_slices(const std::string& source, const AllowedFold
     if (fs::is_directory(source) && is_zarr(source)) {
         return {};  // Its many files are chunks.
     }
-    return fs::is_directory(source) ? look_through(source, allowed).slices
-                                    : read_dicom_slices(source);
+    if (fs::is_directory(source)) {
+        return look_through(source, allowed).slices;
+    }
+    if (!is_packed(source)) {
+        return read_dicom_slices(source);
+    }
+    FolderFiles files = look_through_archive(source);
+    if (files.slices.empty() && !files.left_out.empty()) {
+        throw ImportError(files.left_out.front().text);
+    }
+    return std::move(files.slices);
 }
 
 }  // namespace pxpl5::host::io

@@ -2,6 +2,7 @@
 // what broken files do to third-party decoders.
 #include <unistd.h>
 
+#include <clocale>
 #include <csignal>
 #include <cstdio>
 #include <string>
@@ -37,6 +38,8 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "pxpl5-io: %s\n", error.what());
         return 64;
     }
+    // Names in archives are UTF-8. The sandbox does not let the files of a locale be opened later.
+    std::setlocale(LC_CTYPE, "C.UTF-8");
     // A full disk, or a file size limit, is an error of the call that writes.
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGPIPE, SIG_IGN);

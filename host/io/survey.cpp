@@ -80,7 +80,7 @@ struct Surveyed {
 };
 
 /// None if they cannot be read: the series remains in the list.
-DicomAttributes attributes_or_none(const std::filesystem::path& file) {
+DicomAttributes attributes_or_none(const DicomInput& file) {
     try {
         return read_attributes(file);
     } catch (const ImportError&) {
@@ -145,7 +145,7 @@ void write_series(std::vector<DicomSlice> slices) {
     std::size_t bytes = 0;
     for (std::size_t i = 0; i < std::min(all.size(), max_surveyed_series); ++i) {
         const DicomSlice middle = middle_of(all[i]);
-        Surveyed each{middle, attributes_or_none(middle.path)};
+        Surveyed each{middle, attributes_or_none(middle.input())};
         Json row = row_of(i + 1, all[i], each);
         bytes += dump(row).size();
         if (bytes > max_list_bytes) {
@@ -175,7 +175,7 @@ void write_attributes(const SurveyQuestion& question, std::vector<DicomSlice> sl
                           "file of one of them");
     }
     const DicomSlice middle = middle_of(*found);
-    const DicomAttributes attributes = read_attributes(middle.path);
+    const DicomAttributes attributes = read_attributes(middle.input());
     Json rows = Json::array();
     for (const DicomAttribute& each : attributes.all) {
         rows.push_back(

@@ -73,7 +73,8 @@ ROOMS = {
         "mesh": {"values"},
         "sandbox": set(),
         "zarr": {"values", "formats"},
-        ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox", "zarr"},
+        "packed": {"values", "formats", "dicom"},
+        ".": {"values", "formats", "dicom", "picture", "mesh", "sandbox", "zarr", "packed"},
     },
     "host/inspect": {
         "record": set(),
@@ -125,7 +126,7 @@ PAGE = "host/serve/page"
 ZMQ = re.compile(r"^zmq(\.hpp|\.h|_addon\.hpp)$")
 SOCKETS = re.compile(r"^(libwebsockets\.h|libwebsockets/.*)$")
 CODECS = re.compile(r"^(itk|OpenImageIO/|assimp/|cairo|ft2build|meshoptimizer|gdcm|nifti|vnl/"
-                    r"|seccomp|expat|blosc)")
+                    r"|seccomp|expat|blosc|archive(_entry)?\.h|zip\.h)")
 MESSAGES = re.compile(
     r"^(.*_generated\.h|flatbuffers/.*|ringbus/(message|node|process/process)\.hpp)$")
 

@@ -237,14 +237,15 @@ std::string utf8_of(std::string bytes, const std::string& charset) {
     return bytes;
 }
 
-DicomAttributes read_attributes(const std::filesystem::path& path) {
-    const std::string file = path.string();
-    (void)check_dicom_structure(path);
+DicomAttributes read_attributes(const DicomInput& input) {
+    const std::string file = input.path.string();
+    (void)check_dicom_structure(input);
     const FileAtWork at_work(file);
     gdcm::Trace::WarningOff();
     gdcm::Trace::ErrorOff();
+    const std::unique_ptr<std::istream> stream = input.open();
     gdcm::Reader reader;
-    reader.SetFileName(file.c_str());
+    reader.SetStream(*stream);
     if (!reader.ReadUpToTag(pixel_data, {pixel_data})) {
         throw ImportError(file + ": its attributes cannot be read: cut or broken");
     }

@@ -3,9 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <string>
 #include <vector>
+
+#include "host/io/dicom/dicom_input.hpp"
 
 namespace pxpl5::host::io {
 
@@ -33,7 +34,7 @@ struct DicomAttributes {
 
 /// Reads the attributes before the pixels of a file that begins as a DICOM file.
 /// Throws ImportError that names the file if it is not built of whole elements.
-DicomAttributes read_attributes(const std::filesystem::path& path);
+DicomAttributes read_attributes(const DicomInput& input);
 
 /// Bytes of a DICOM text as printable UTF-8. Latin-1 is converted; bytes of other character sets,
 /// and all bytes after a switch to another one, become question marks.

@@ -177,11 +177,12 @@ bool is_little_endian(const gdcm::Reader& reader) {
 }
 
 /// Values that all frames of a file share.
-DicomSlice read_shared(const fs::path& path, const gdcm::Reader& reader) {
-    const std::string file = path.string();
+DicomSlice read_shared(const DicomInput& input, const gdcm::Reader& reader) {
+    const std::string file = input.path.string();
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
     DicomSlice slice;
-    slice.path = path;
+    slice.path = input.path;
+    slice.unpacked = input.bytes;
     slice.series = text_of(data, gdcm::Tag(0x0020, 0x000e));
     slice.instance = text_of(data, gdcm::Tag(0x0008, 0x0018));
     slice.description = text_of(data, gdcm::Tag(0x0008, 0x103e));
@@ -220,7 +221,7 @@ void check_size(const std::string& file, const gdcm::Reader& reader, const Dicom
     if (slice.pixel_offset_bytes == 0) {
         return;
     }
-    const std::uint64_t size = fs::file_size(slice.path);
+    const std::uint64_t size = slice.input().size_bytes();
     const std::uint64_t has = size - std::min(size, slice.pixel_offset_bytes);
     const bool compressed =
         reader.GetFile().GetHeader().GetDataSetTransferSyntax().IsEncapsulated();
@@ -250,32 +251,33 @@ void check_shape(const std::string& file, const DicomSlice& slice) {
 
 }  // namespace
 
-bool begins_as_dicom(const fs::path& path) {
+bool begins_as_dicom(const DicomInput& input) {
     constexpr std::size_t preamble_bytes = 132, element_bytes = 8;
     std::array<char, preamble_bytes + element_bytes> head{};
-    std::ifstream stream(path, std::ios::binary);
-    stream.read(head.data(), head.size());
-    return stream && std::string_view(head.data(), head.size()).substr(128, 4) == "DICM";
+    const std::unique_ptr<std::istream> stream = input.open();
+    stream->read(head.data(), head.size());
+    return *stream && std::string_view(head.data(), head.size()).substr(128, 4) == "DICM";
 }
 
-std::vector<DicomSlice> read_dicom_slices(const fs::path& path) {
-    const std::string file = path.string();
-    if (!begins_as_dicom(path)) {
+std::vector<DicomSlice> read_dicom_slices(const DicomInput& input) {
+    const std::string file = input.path.string();
+    if (!begins_as_dicom(input)) {
         return {};
     }
-    const FileFacts facts = facts_of(path);
-    const PixelBytes pixels = check_dicom_structure(path);
+    const FileFacts facts = input.facts();
+    const PixelBytes pixels = check_dicom_structure(input);
     const FileAtWork at_work(file);
     gdcm::Trace::WarningOff();
     gdcm::Trace::ErrorOff();
+    const std::unique_ptr<std::istream> stream = input.open();
     gdcm::Reader reader;
-    reader.SetFileName(file.c_str());
+    reader.SetStream(*stream);
     if (!reader.ReadUpToTag(pixels_tag, {pixels_tag})) {  // Values are passed over.
         return {};
     }
     const gdcm::DataSet& data = reader.GetFile().GetDataSet();
     refuse_other_kinds(file, data);
-    DicomSlice shared = read_shared(path, reader);
+    DicomSlice shared = read_shared(input, reader);
     if (!data.FindDataElement(gdcm::Tag(0x0028, 0x0010)) &&
         !data.FindDataElement(gdcm::Tag(0x0028, 0x0011))) {
         return {};

@@ -73,7 +73,7 @@ void check_ratio(const std::string& file, const DicomSlice& slice) {
     const std::uint64_t pixels = static_cast<std::uint64_t>(slice.stored_columns()) *
                                  static_cast<std::uint64_t>(slice.stored_rows()) *
                                  static_cast<std::uint64_t>(slice.frames);
-    const std::uint64_t has = fs::file_size(slice.path);
+    const std::uint64_t has = slice.input().size_bytes();
     if (pixels > unsuspicious_bytes && pixels / max_ratio > has) {
         throw ImportError(fmt::format("{}: states {}x{}x{} pixels, but has {} bytes", file,
                                       slice.stored_columns(), slice.stored_rows(), slice.frames,
@@ -244,8 +244,9 @@ void DicomPixels::add(const DicomSlice& slice, ValueSink& sink) {
         check_ratio(file, slice);
         check_gray(file, slice);
         const FileAtWork at_work(file);
+        const std::unique_ptr<std::istream> stream = slice.input().open();
         gdcm::Reader reader;
-        reader.SetFileName(file.c_str());
+        reader.SetStream(*stream);
         if (!reader.Read() ||
             !reader.GetFile().GetDataSet().FindDataElement(gdcm::Tag(0x7fe0, 0x0010))) {
             throw ImportError(file + ": its pixel data (7fe0,0010) cannot be read: cut or broken");

@@ -5,10 +5,12 @@
 #include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "host/io/dicom/dicom_input.hpp"
 #include "host/io/values/import_request.hpp"
 #include "host/io/values/value_sink.hpp"
 #include "host/volume/volume.hpp"
@@ -38,6 +40,7 @@ struct DicomTimes {
 /// One slice: a file, or one frame of it.
 struct DicomSlice {
     std::filesystem::path path;
+    std::shared_ptr<const std::string> unpacked;  ///< See DicomInput::bytes.
     int frame = 0, frames = 1;  ///< Index in the file, and how many the file holds.
     std::string series;         ///< Series instance UID; may be empty.
     std::string instance;       ///< SOP instance UID; may be empty.
@@ -72,6 +75,7 @@ struct DicomSlice {
                (photometric.empty() || photometric == "MONOCHROME2" || is_inverted());
     }
 
+    DicomInput input() const { return {path, unpacked}; }
     int stored_columns() const { return columns * tiles_across; }
     int stored_rows() const { return rows * tiles_across; }
 };

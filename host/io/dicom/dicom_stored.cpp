@@ -41,6 +41,9 @@ std::uint64_t frame_bytes(const DicomSlice& slice) {
 std::string why_not_by_gps(const std::vector<DicomSlice>& slices) {
     const DicomSlice& first = slices.front();
     for (const DicomSlice& slice : slices) {
+        if (slice.unpacked) {
+            return fmt::format("{} lies in an archive", file_name(slice));
+        }
         if (!slice.is_gray()) {
             return fmt::format("{} has color", file_name(slice));
         }

@@ -320,9 +320,12 @@ class Walker {
 
 }  // namespace
 
-PixelBytes check_dicom_structure(const fs::path& path) {
-    const MappedFile file(path);
-    return Walker(path.string(), file.bytes()).walk();
+PixelBytes check_dicom_structure(const DicomInput& input) {
+    if (input.bytes) {
+        return Walker(input.path.string(), *input.bytes).walk();
+    }
+    const MappedFile file(input.path);
+    return Walker(input.path.string(), file.bytes()).walk();
 }
 
 }  // namespace pxpl5::host::io

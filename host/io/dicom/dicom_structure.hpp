@@ -3,7 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
+
+#include "host/io/dicom/dicom_input.hpp"
 
 namespace pxpl5::host::io {
 
@@ -13,12 +14,12 @@ struct PixelBytes {
     std::uint64_t offset_bytes = 0;  ///< Before them in the file.
 };
 
-/// Walks through all elements, sequences and fragments of `path`, which begins as a DICOM file.
+/// Walks through all elements, sequences and fragments of `input`, which begins as a DICOM file.
 /// Values are not looked at, but for the transfer syntax; the length of uncompressed pixels is left
 /// to who knows how many there are. Deflated files are looked at up to where they are deflated.
 ///
 /// Returns  zeros if there are no such pixels, or they are deflated.
 /// Throws   ImportError naming the element, where it is, and its length beside what is left.
-PixelBytes check_dicom_structure(const std::filesystem::path& path);
+PixelBytes check_dicom_structure(const DicomInput& input);
 
 }  // namespace pxpl5::host::io

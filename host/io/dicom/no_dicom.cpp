@@ -1,6 +1,5 @@
 // Takes the place of the GDCM sources in a build without PXPL5_DICOM.
 #include <array>
-#include <fstream>
 #include <string_view>
 
 #include "host/io/dicom/dicom_attributes.hpp"
@@ -13,17 +12,17 @@ struct DicomPixels::File {};
 DicomPixels::DicomPixels() = default;
 DicomPixels::~DicomPixels() = default;
 
-bool begins_as_dicom(const std::filesystem::path& path) {
+bool begins_as_dicom(const DicomInput& input) {
     constexpr std::size_t preamble_bytes = 128;
     std::array<char, 4> mark{};
-    std::ifstream file(path, std::ios::binary);
-    file.seekg(preamble_bytes).read(mark.data(), mark.size());
-    return file && std::string_view(mark.data(), mark.size()) == "DICM";
+    const std::unique_ptr<std::istream> file = input.open();
+    file->seekg(preamble_bytes).read(mark.data(), mark.size());
+    return *file && std::string_view(mark.data(), mark.size()) == "DICM";
 }
 
-std::vector<DicomSlice> read_dicom_slices(const std::filesystem::path& path) {
-    if (begins_as_dicom(path)) {
-        throw ImportError(path.string() +
+std::vector<DicomSlice> read_dicom_slices(const DicomInput& input) {
+    if (begins_as_dicom(input)) {
+        throw ImportError(input.path.string() +
                           ": this program was built without DICOM; build it with -DPXPL5_DICOM=ON");
     }
     return {};
@@ -32,7 +31,7 @@ std::vector<DicomSlice> read_dicom_slices(const std::filesystem::path& path) {
 // There are no slices without read_dicom_slices().
 void DicomPixels::add(const DicomSlice& /*slice*/, ValueSink& /*sink*/) {}
 
-DicomAttributes read_attributes(const std::filesystem::path& /*path*/) {
+DicomAttributes read_attributes(const DicomInput& /*input*/) {
     return {};
 }
 

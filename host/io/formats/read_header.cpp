@@ -25,6 +25,7 @@ StoredHeader read_stored_header(const std::filesystem::path& path, Format format
             return read_vti_header(path, request.orientation);
         case Format::dicom:
         case Format::pictures:
+        case Format::packed:
             break;
     }
     throw std::logic_error("this format has no header of its own");

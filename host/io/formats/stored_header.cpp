@@ -30,10 +30,28 @@ bool ends_with_any(const std::string& name, std::initializer_list<const char*> s
                        [&](const char* suffix) { return name.ends_with(suffix); });
 }
 
+/// The first bytes; zeros where the file has fewer.
+std::string head_of(const fs::path& path) {
+    constexpr std::size_t enough = 264;
+    std::string head(enough, '\0');
+    std::ifstream(path, std::ios::binary).read(head.data(), enough);
+    return head;
+}
+
+/// Whether these are first bytes of a ZIP or POSIX tar archive.
+bool begins_as_archive(const std::string& head) {
+    constexpr std::size_t tar_magic = 257;
+    return head.starts_with("PK\3\4") || head.compare(tar_magic, 5, "ustar") == 0;
+}
+
+/// Whether the suffix is one of an archive. `name` is in small letters.
+bool is_archive_name(const std::string& name) {
+    return ends_with_any(name, {".zip", ".tar", ".tgz", ".tar.gz", ".tbz2", ".tar.bz2", ".txz",
+                                ".tar.xz", ".tzst", ".tar.zst"});
+}
+
 Format format_by_content(const fs::path& path) {
-    std::array<char, 132> head{};
-    std::ifstream(path, std::ios::binary).read(head.data(), head.size());
-    const std::string_view bytes(head.data(), head.size());
+    const std::string bytes = head_of(path);
     if (bytes.starts_with("NRRD000")) {
         return Format::nrrd;
     }
@@ -46,11 +64,14 @@ Format format_by_content(const fs::path& path) {
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
     }
+    if (begins_as_archive(bytes)) {
+        return Format::packed;
+    }
     throw ImportError(fmt::format(
         "{}: neither its suffix nor its first bytes are of a known format (.nrrd .nhdr .mha .mhd "
-        ".nii .nii.gz .hdr .img .mgh .mgz .vtk .vti .dcm .tif .png .jpg .bmp, or the folder of a "
-        "DICOM series or of pictures); of a file without a header, give raw=XxYxZ,TYPE and "
-        "spacing=x,y,z",
+        ".nii .nii.gz .hdr .img .mgh .mgz .vtk .vti .dcm .tif .png .jpg .bmp .zip .tar .tgz, or "
+        "the folder of a DICOM series or of pictures); of a file without a header, give "
+        "raw=XxYxZ,TYPE and spacing=x,y,z",
         path.string()));
 }
 
@@ -283,10 +304,21 @@ Format format_of(const fs::path& path) {
     if (ends_with_any(name, {".vti"})) {
         return Format::vti;
     }
+    if (is_archive_name(name)) {
+        return Format::packed;
+    }
     if (is_picture(path)) {
         return Format::pictures;
     }
     return ends_with_any(name, {".dcm", ".ima"}) ? Format::dicom : format_by_content(path);
+}
+
+bool is_packed(const fs::path& path) {
+    try {
+        return format_of(path) == Format::packed;
+    } catch (const ImportError&) {
+        return false;
+    }
 }
 
 void check_stored_header(const fs::path& path, StoredHeader& header) {

@@ -18,12 +18,25 @@
 
 namespace pxpl5::host::io {
 
-enum class Format : std::uint8_t { nrrd, meta_image, nifti, mgh, vtk, vti, dicom, pictures };
+enum class Format : std::uint8_t {
+    nrrd,
+    meta_image,
+    nifti,
+    mgh,
+    vtk,
+    vti,
+    dicom,
+    pictures,
+    packed
+};
 
 /// The format of `path` by its suffix, or by its first bytes if the suffix says nothing. Of a
 /// folder: dicom, though it may hold pictures only.
 /// Throws ImportError for a missing file or an unknown format.
 Format format_of(const std::filesystem::path& path);
+
+/// Whether format_of() is `packed`. False for a file that cannot be read.
+bool is_packed(const std::filesystem::path& path);
 
 /// A header's own words, without the defaults that decoders put in.
 struct StoredHeader {

@@ -45,7 +45,10 @@ constexpr std::array kinds = {
     Kind{".tif", "TIFF"},       Kind{".tiff", "TIFF"},        Kind{".png", "PNG"},
     Kind{".jpg", "JPEG"},       Kind{".jpeg", "JPEG"},        Kind{".bmp", "BMP"},
     Kind{".mgh", "FreeSurfer"}, Kind{".mgz", "FreeSurfer"},   Kind{".mgh.gz", "FreeSurfer"},
-    Kind{".vti", "VTK"},        Kind{".phigs", "archive"},
+    Kind{".vti", "VTK"},        Kind{".phigs", "archive"},    Kind{".zip", "ZIP"},
+    Kind{".tar", "tar"},        Kind{".tgz", "tar"},          Kind{".tar.gz", "tar"},
+    Kind{".tbz2", "tar"},       Kind{".tar.bz2", "tar"},      Kind{".txz", "tar"},
+    Kind{".tar.xz", "tar"},     Kind{".tzst", "tar"},         Kind{".tar.zst", "tar"},
 };
 
 std::string in_small(std::string text) {

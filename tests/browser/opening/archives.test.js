@@ -7,7 +7,7 @@ import path from 'node:path';
 import test from 'node:test';
 import { writeSeries } from '../dicom.js';
 import { browser, byId, openPage, page, server, usePage } from '../harness.js';
-import { after, drop, errorsShown, state, stateWhen } from '../steps.js';
+import { after, drop, errorsShown, rawSocket, say, state, stateWhen } from '../steps.js';
 import { writeEllipsoid } from '../volumes.js';
 
 const METHOD = { stored: 0, deflated: 8, bzip2: 12 };
@@ -63,6 +63,23 @@ test('an archive of a DICOM folder opens as the folder does', async () => {
   const unpacked = await digestOf(archive, 'hip/Müller/hip');
   assert.equal(unpacked, plain);
   assert.deepEqual((await state(page)).volume.size, volume.size);
+  assert.deepEqual(await errorsShown(page), []);
+});
+
+test('an archive on the server opens by its path, as its folder does', async () => {
+  const archive = writeScan('knee-far', 7);
+  const raw = await rawSocket(page, server.url);
+  const digests = [];
+  for (const source of [inFolder('knee-far'), archive]) {
+    const reply = await say(raw, `load ${source}`);
+    assert.ok(reply.ok, reply.error);
+    digests.push((await say(raw, 'digest')).result);
+  }
+  await raw.evaluate(({ socket }) => socket.close());
+  assert.deepEqual(digests[1], digests[0]);
+  const { volume } = await stateWhen(
+    page, (now, source) => now.volume?.source === source && !now.busy, archive);
+  assert.equal(volume.name, 'knee-far');
   assert.deepEqual(await errorsShown(page), []);
 });
 

@@ -23,6 +23,7 @@
 #include "ringbus/ranges.hpp"
 #include "tests/file_bytes.hpp"
 #include "tests/host/io/formats/vti_writer.hpp"
+#include "tests/host/io/packed/packed.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/random_seed.hpp"
 
@@ -318,6 +319,16 @@ TEST_SUITE("host/io/mutations") {
         shared.sequence(0x28, 0x9110, {measures});
         frames.sequence(0x5200, 0x9229, {shared});
         check_mostly_survives("f.dcm", frames.file());
+    }
+
+    TEST_CASE("2000 mutations of each of three archives") {
+        const TemporaryFolder folder;
+        const NamedBytes series = {{"CT/IM1", dicom_slice(grid(), 0).file()},
+                                   {"CT/IM2", dicom_slice(grid(), 1).file()}};
+        const std::string tar = packed(series, ARCHIVE_FORMAT_TAR_USTAR);
+        check_mostly_survives("v.zip", packed(series));
+        check_mostly_survives("v.tar", tar);
+        check_mostly_survives("v.tar.gz", gzipped(folder, tar));
     }
 
     TEST_CASE("2000 mutations of pictures") {

@@ -5,6 +5,7 @@ usage: test_bad_files_cli.py BIN_DIR [unittest arguments]
 """
 import os
 import pathlib
+import shutil
 import struct
 import subprocess
 import sys
@@ -85,6 +86,30 @@ class BadFiles(unittest.TestCase):
         self.assertEqual(code, 0)
         self.assertIn(f"missing slices: ct/2.dcm: {DAMAGE}: this file is left out", text)
         self.assertIn("2 x 2 x 3 voxels", text)
+
+    def test_an_archive_opens_as_its_folder_and_a_cut_one_is_refused_by_name(self):
+        (self.folder / "ct").mkdir()
+        for z_mm in range(3):
+            pixels = element(0x7fe0, 0x10, "OW", bytes([z_mm, 0] * 4))
+            (self.folder / "ct" / f"{z_mm}.dcm").write_bytes(dicom(RAW, pixels, z_mm))
+        draw = ["surface a iso=0.5", "digest"]
+        code, text = self.run_lines("load ct", *draw, output=True)
+        self.assertEqual(code, 0, text)
+        digest = text.splitlines()[-1]
+        for name, form in (("ct.zip", "zip"), ("ct.tar", "tar"), ("ct.tar.gz", "gztar"),
+                           ("ct.tar.bz2", "bztar"), ("ct.tar.xz", "xztar")):
+            with self.subTest(name=name):
+                shutil.make_archive(self.folder / "ct", form, self.folder, "ct")
+                code, text = self.run_lines(f"load {name}", *draw, output=True)
+                self.assertEqual(code, 0, text)
+                self.assertEqual(text.splitlines()[-1], digest)
+                whole = (self.folder / name).read_bytes()
+                (self.folder / name).write_bytes(whole[:len(whole) * 2 // 3])
+                code, error = self.run_lines(f"load {name}")
+                self.assertEqual(code, BAD_DATA)
+                self.assertRegex(error, f"^error: {name}.*(damaged|cut)")
+        self.assertEqual(sorted(each.name for each in self.folder.iterdir()),
+                         ["ct", "ct.tar", "ct.tar.bz2", "ct.tar.gz", "ct.tar.xz", "ct.zip", "run"])
 
     def test_what_is_no_file_is_named_by_what_it_is(self):
         os.mkfifo(self.folder / "pipe.nii")
