@@ -21,9 +21,10 @@ using NamedBytes = std::vector<std::pair<std::string, std::string>>;
 /// options      As "zip:compression=store".
 /// password     Encrypts a ZIP archive if the options say so.
 /// layers       How often the compression is applied.
+/// stored       If not 0, the bytes of each file after so many are a hole of a sparse file.
 inline std::string packed(const NamedBytes& files, int format = ARCHIVE_FORMAT_ZIP,
                           int compression = ARCHIVE_FILTER_NONE, const char* options = nullptr,
-                          const char* password = nullptr, int layers = 1) {
+                          const char* password = nullptr, int layers = 1, std::size_t stored = 0) {
     const auto require = [](bool holds, archive* writer) {
         if (!holds) {
             throw std::runtime_error(archive_error_string(writer));
@@ -59,6 +60,9 @@ inline std::string packed(const NamedBytes& files, int format = ARCHIVE_FORMAT_Z
         }
         archive_entry_set_perm(entry.get(), 0600);
         archive_entry_set_size(entry.get(), static_cast<la_int64_t>(bytes.size()));
+        if (stored > 0) {
+            archive_entry_sparse_add_entry(entry.get(), 0, static_cast<la_int64_t>(stored));
+        }
         require(archive_write_header(writer, entry.get()) == ARCHIVE_OK, writer);
         require(archive_write_data(writer, bytes.data(), bytes.size()) ==
                     static_cast<la_ssize_t>(bytes.size()),

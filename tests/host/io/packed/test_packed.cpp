@@ -166,6 +166,20 @@ TEST_SUITE("host/io/packed") {
         }
     }
 
+    TEST_CASE("zeros that a sparse file leaves out are there, also the last ones") {
+        const TemporaryFolder folder;
+        Grid large{{256, 256, 2}, glm::dmat4(1.0), std::vector<std::int16_t>(2 * 256 * 256)};
+        large.values[5] = large.values[256 * 256 + 7] = 1000;
+        const NamedBytes files = {{"IM1", dicom_slice(large, 0).file()},
+                                  {"IM2", dicom_slice(large, 1).file()}};
+        constexpr std::size_t stored = 65'536;
+        const std::string sparse = packed(files, ARCHIVE_FORMAT_TAR_PAX_INTERCHANGE,
+                                          ARCHIVE_FILTER_NONE, nullptr, nullptr, 1, stored);
+        REQUIRE(sparse.size() < files[0].second.size() + files[1].second.size());
+        CHECK(read(folder.write("sparse.tar", sparse)).values ==
+              read(folder.write("plain.zip", packed(files))).values);
+    }
+
     TEST_CASE("a link is counted, and not followed") {
         const TemporaryFolder folder;
         NamedBytes files = series();
