@@ -8,6 +8,7 @@
 
 #include "generated/vocabulary.hpp"
 #include "host/base/part_file.hpp"
+#include "host/io/formats/first_bytes.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/values/frames.hpp"
 #include "host/io/values/header_text.hpp"
@@ -30,20 +31,6 @@ bool ends_with_any(const std::string& name, std::initializer_list<const char*> s
                        [&](const char* suffix) { return name.ends_with(suffix); });
 }
 
-/// The first bytes; zeros where the file has fewer.
-std::string head_of(const fs::path& path) {
-    constexpr std::size_t enough = 264;
-    std::string head(enough, '\0');
-    std::ifstream(path, std::ios::binary).read(head.data(), enough);
-    return head;
-}
-
-/// Whether these are first bytes of a ZIP or POSIX tar archive.
-bool begins_as_archive(const std::string& head) {
-    constexpr std::size_t tar_magic = 257;
-    return head.starts_with("PK\3\4") || head.compare(tar_magic, 5, "ustar") == 0;
-}
-
 /// Whether the suffix is one of an archive. `name` is in small letters.
 bool is_archive_name(const std::string& name) {
     return ends_with_any(name, {".zip", ".tar", ".tgz", ".tar.gz", ".tbz2", ".tar.bz2", ".txz",
@@ -51,7 +38,7 @@ bool is_archive_name(const std::string& name) {
 }
 
 Format format_by_content(const fs::path& path) {
-    const std::string bytes = head_of(path);
+    const std::string bytes = first_bytes(path);
     if (bytes.starts_with("NRRD000")) {
         return Format::nrrd;
     }
@@ -64,7 +51,7 @@ Format format_by_content(const fs::path& path) {
     if (bytes.substr(128, 4) == "DICM") {
         return Format::dicom;
     }
-    if (begins_as_archive(bytes)) {
+    if (begins_as_zip(bytes) || begins_as_tar(bytes)) {
         return Format::packed;
     }
     throw ImportError(fmt::format(

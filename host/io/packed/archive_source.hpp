@@ -53,7 +53,4 @@ std::unique_ptr<ArchiveSource> open_zip(const std::filesystem::path& path);
 std::unique_ptr<ArchiveSource> open_tar(const std::filesystem::path& path,
                                         std::uint64_t most_bytes);
 
-/// Whether the file begins as a ZIP archive, also an empty one.
-bool begins_as_zip(const std::filesystem::path& path);
-
 }  // namespace pxpl5::host::io

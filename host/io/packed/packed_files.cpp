@@ -13,6 +13,7 @@
 
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/io/dicom/dicom_file.hpp"
+#include "host/io/formats/first_bytes.hpp"
 #include "host/io/formats/picture_stack.hpp"
 #include "host/io/packed/archive_source.hpp"
 #include "host/io/values/import_request.hpp"
@@ -38,7 +39,7 @@ class Unpacker {
   public:
     Unpacker(const fs::path& path, std::uint64_t most_bytes)
         : file_(path.string()), most_bytes_(most_bytes), most_read_(2 * most_bytes) {
-        source_ = begins_as_zip(path) ? open_zip(path) : open_tar(path, most_read_);
+        source_ = begins_as_zip(first_bytes(path)) ? open_zip(path) : open_tar(path, most_read_);
     }
 
     PackedFiles all() {

@@ -6,11 +6,12 @@
 #include <array>
 #include <cerrno>
 #include <exception>
-#include <fstream>
 #include <new>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "host/io/formats/first_bytes.hpp"
 #include "host/io/packed/archive_reader.hpp"
 #include "host/io/packed/archive_source.hpp"
 #include "host/io/packed/tar_bytes.hpp"
@@ -28,12 +29,9 @@ constexpr std::uint64_t tar_record_bytes = 20 * tar_block_bytes;  // GNU's, liba
 /// The compression by the first bytes.
 Compression compression_of(const fs::path& path) {
     using namespace std::string_view_literals;
-    constexpr std::size_t magic_at = 257;
-    std::array<char, magic_at + 5> first{};
-    std::ifstream(path, std::ios::binary).read(first.data(), first.size());
-    const std::string_view head(first.data(), first.size());
-    if (head.substr(magic_at) == "ustar") {
-        return Compression::none;  // The first bytes are a name.
+    const std::string first = first_bytes(path);
+    if (begins_as_tar(first)) {
+        return Compression::none;  // It begins with a name.
     }
     const std::array<std::pair<std::string_view, Compression>, 4> marks = {{
         {"\x1f\x8b", Compression::gzip},
@@ -41,8 +39,8 @@ Compression compression_of(const fs::path& path) {
         {"\xfd\x37zXZ\0"sv, Compression::xz},
         {"\x28\xb5\x2f\xfd", Compression::zstd},
     }};
-    const auto mark =
-        std::ranges::find_if(marks, [&](const auto& each) { return head.starts_with(each.first); });
+    const auto mark = std::ranges::find_if(
+        marks, [&](const auto& each) { return first.starts_with(each.first); });
     return mark == marks.end() ? Compression::none : mark->second;
 }
 
@@ -74,7 +72,12 @@ bool is_later_part(std::string_view head) {
     label = label.substr(0, label.find_first_of(std::string_view("\0\n", 2)));
     constexpr std::string_view volume = " Volume ";
     const std::size_t at = label.rfind(volume);
-    return at != std::string_view::npos && label.substr(at + volume.size()) != "1";
+    if (at == std::string_view::npos) {
+        return false;
+    }
+    const std::string_view number = label.substr(at + volume.size());
+    return !number.empty() && number != "1" &&
+           number.find_first_not_of("0123456789") == std::string_view::npos;
 }
 
 class TarSource : public ArchiveSource {
@@ -181,9 +184,10 @@ class TarSource : public ArchiveSource {
         }
         if (bytes_.count_without_zeros() > end) {
             throw ImportError(
-                fmt::format("{}: goes on after the end of the tar archive. Unpack it "
-                            "with another program, and load the folder",
-                            file_));
+                fmt::format("{}: goes on after the end of the tar archive, which is at byte {} of "
+                            "the {} that are unpacked. Unpack it with another program, and load "
+                            "the folder",
+                            file_, end, bytes_.count()));
         }
         // Zeros that were never written look like the end. A checksum would say so.
         const std::uint64_t records =

@@ -3,7 +3,6 @@
 #include <zip.h>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <new>
 #include <string>
@@ -155,13 +154,21 @@ class ZipSource : public ArchiveSource {
     /// libzip looks for a directory that fits, so it would read one of several archives in a file.
     void check_whole(const fs::path& path) const {
         const std::optional<Directory> directory = directory_of(path);
-        if (!directory || directory->first + directory->size != directory->end ||
-            directory->files != count_) {
+        const std::string where = path.string();
+        constexpr const char* remedy =
+            "Copy or download it again, or unpack it with another program, and load the folder";
+        if (!directory) {
             throw ImportError(fmt::format(
-                "{}: is not one whole ZIP archive: its directory is not at its end, or does not "
-                "have the {} files that were found. Copy or download it again, or unpack it with "
-                "another program, and load the folder",
-                path.string(), count_));
+                "{}: is not one whole ZIP archive: it does not end with the record that a ZIP "
+                "archive ends with. {}",
+                where, remedy));
+        }
+        if (directory->files != count_ || directory->first + directory->size != directory->end) {
+            throw ImportError(fmt::format(
+                "{}: is not one whole ZIP archive: its directory should have {} files and end at "
+                "byte {}, but has {} and ends at byte {}. {}",
+                where, directory->files, directory->first + directory->size, count_, directory->end,
+                remedy));
         }
     }
 
@@ -182,16 +189,6 @@ class ZipSource : public ArchiveSource {
 
 std::unique_ptr<ArchiveSource> open_zip(const fs::path& path) {
     return std::make_unique<ZipSource>(path);
-}
-
-bool begins_as_zip(const fs::path& path) {
-    using namespace std::string_view_literals;
-    constexpr std::size_t tar_magic_at = 257;  // The first bytes of a tar archive are a name.
-    std::array<char, tar_magic_at + 5> first{};
-    std::ifstream(path, std::ios::binary).read(first.data(), first.size());
-    const std::string_view head(first.data(), first.size());
-    return (head.starts_with("PK\3\4"sv) || head.starts_with("PK\5\6"sv)) &&
-           head.substr(tar_magic_at) != "ustar";
 }
 
 }  // namespace pxpl5::host::io

@@ -2,6 +2,8 @@
 #include <doctest/doctest.h>
 #include <zstd.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <memory>
 
@@ -214,22 +216,32 @@ TEST_SUITE("host/io/packed") {
         }
     }
 
-    TEST_CASE("names that are very long, and later parts of a tar archive, are refused") {
+    TEST_CASE("very long names, and later parts of a tar archive, are refused") {
         const TemporaryFolder folder;
         const NamedBytes files = {{std::string(5000, 'a'), series()[0].second}};
         CHECK(refusal(folder.write("scan.zip", packed(files)))
                   .find("a name of a file in it has 5000 bytes, must be at most 4096") !=
               std::string::npos);
-        for (const char type : {'M', 'V'}) {
-            CAPTURE(type);
-            NamedBytes labelled = series();
-            labelled.insert(labelled.begin(), {"scan Volume 2", ""});
-            std::string part = packed(labelled, ARCHIVE_FORMAT_TAR_GNUTAR);
-            constexpr std::size_t type_at = 156;
+        const auto labelled = [&](char type, const std::string& label) {
+            NamedBytes all = series();
+            all.insert(all.begin(), {label, ""});
+            std::string part = packed(all, ARCHIVE_FORMAT_TAR_GNUTAR);
+            constexpr std::size_t block = 512, checksum_at = 148, type_at = 156;
             part[type_at] = type;
-            CHECK(
-                refusal(folder.write("scan.tar", part)).find("is a later part of a tar archive") !=
-                std::string::npos);
+            std::fill_n(part.begin() + checksum_at, 8, ' ');
+            unsigned sum = 0;
+            for (std::size_t i = 0; i < block; ++i) {
+                sum += static_cast<unsigned char>(part[i]);
+            }
+            std::snprintf(&part[checksum_at], 7, "%06o", sum);
+            return refusal(folder.write("scan.tar", part));
+        };
+        constexpr const char* later = "is a later part of a tar archive";
+        CHECK(labelled('M', "IM0").find(later) != std::string::npos);
+        CHECK(labelled('V', "scan Volume 2").find(later) != std::string::npos);
+        for (const char* const label : {"scan Volume 1", "Brain Volume data", "scan"}) {
+            CAPTURE(label);
+            CHECK(labelled('V', label) == "");
         }
     }
 
