@@ -12,6 +12,7 @@
 #include "tests/host/io/dicom_files.hpp"
 #include "tests/host/io/formats/vti_writer.hpp"
 #include "tests/host/io/mesh_solids.hpp"
+#include "tests/host/io/packed/packed.hpp"
 #include "tests/host/io/volume_writers.hpp"
 #include "tests/isa/random_program.hpp"
 #include "tests/ringbus/examples/examples.hpp"
@@ -201,6 +202,34 @@ void write_dicom(const Seeds& seeds) {
     seeds.write("dicom", "mosaic", none + elements(mosaic()));
 }
 
+/// A folder and three files, of which one is DICOM.
+void write_archives(const Seeds& seeds) {
+    const Grid small{{3, 3, 3}, glm::dmat4(1.0), ramp<std::int16_t>(27)};
+    const NamedBytes files = {
+        {"CT/", ""}, {"CT/IM1", dicom_slice(small, 1).file()}, {"CT/no", "1"}, {"../no", "2"}};
+    const auto add = [&](const char* name, const std::string& letter, auto... how) {
+        std::string bytes = packed(files, how...);
+        if (letter != "a") {  // The target appends the end of a tar archive.
+            bytes.resize((bytes.find_last_not_of('\0') / 512 + 1) * 512);
+        }
+        seeds.write("archive", name, letter + bytes);
+    };
+    add("zip", "a", ARCHIVE_FORMAT_ZIP);
+    add("zip-stored", "a", ARCHIVE_FORMAT_ZIP, ARCHIVE_FILTER_NONE, "zip:compression=store");
+    add("zip-64", "a", ARCHIVE_FORMAT_ZIP, ARCHIVE_FILTER_NONE, "zip:zip64");
+    add("zip-password", "a", ARCHIVE_FORMAT_ZIP, ARCHIVE_FILTER_NONE, "zip:encryption=zipcrypt",
+        "word");
+    add("tar", "t", ARCHIVE_FORMAT_TAR_USTAR);
+    add("tar-pax", "T", ARCHIVE_FORMAT_TAR_PAX_INTERCHANGE);
+    add("tar-sparse", "t", ARCHIVE_FORMAT_TAR_PAX_INTERCHANGE, ARCHIVE_FILTER_NONE, nullptr,
+        nullptr, 1, 300);
+    add("tar-gnu", "T", ARCHIVE_FORMAT_TAR_GNUTAR);
+    add("tar-gzip", "a", ARCHIVE_FORMAT_TAR_USTAR, ARCHIVE_FILTER_GZIP);
+    add("tar-bzip2", "a", ARCHIVE_FORMAT_TAR_USTAR, ARCHIVE_FILTER_BZIP2);
+    add("tar-xz", "a", ARCHIVE_FORMAT_TAR_USTAR, ARCHIVE_FILTER_XZ);
+    add("tar-zstd", "a", ARCHIVE_FORMAT_TAR_USTAR, ARCHIVE_FILTER_ZSTD);
+}
+
 void write_meshes(const Seeds& seeds) {
     const TemporaryFolder folder;
     const Solid solid = tetrahedron();
@@ -228,6 +257,7 @@ int main(int argc, char** argv) {
     write_volumes(seeds);
     write_zarr(seeds);
     write_dicom(seeds);
+    write_archives(seeds);
     write_meshes(seeds);
     return 0;
 }
