@@ -4,10 +4,10 @@ import test from 'node:test';
 import { browser, byId, openPage, page, server, usePage } from '../harness.js';
 import { after, middleOf, say, settled, socketWithoutSkin } from '../steps.js';
 import { pixelsOf, warpedAndLate } from '../warp/screen.js';
-import { keepFrames, loadModules } from '../warp/warping.js';
+import { keepFrames, loadModules, PAINTERS } from '../warp/warping.js';
 
 const MODES = ['anaglyph', 'sbs', 'cross', 'rows'];
-const MOST_OFF = 3;          // Of 255: the anaglyph of WebGL and that of the host.
+const MOST_OFF = 3;          // Of 255: the anaglyph of a painter and that of the host.
 const LEAST_PSNR_DB = 26;    // Of a warped picture a few degrees aside, in means of 4 x 4 pixels.
 const LEAST_GAIN_DB = 4;     // Over the picture as it was.
 
@@ -30,8 +30,8 @@ test('at rest, the page composes exactly the picture of the host', async () => {
   await plain.close();
 });
 
-/** Runs in the page: a kept pair, composed exactly and by WebGL at the viewpoint drawn for. */
-async function compare([index, mode]) {
+/** Runs in the page: a kept pair, composed exactly and by a painter at the viewpoint drawn for. */
+async function compare([name, index, mode]) {
   const { modules, kept } = globalThis;
   const load = name => import(new URL(name, location.href).href);
   const { drawPair } = await load('picture/compose.js');
@@ -46,7 +46,7 @@ async function compare([index, mode]) {
   drawPair(context, pair, mode);
   const exact = context.getImageData(0, 0, context.canvas.width, height);
   const canvas = document.createElement('canvas');
-  const painter = new modules.painter.WarpPainter(canvas);
+  const painter = modules.painterOf(name, canvas);
   painter.take(pair, leans);
   const { camera, background } = globalThis.pxpl5.state, stereo = { mode, separation_mm: 0,
     convergence_mm: 0 };
@@ -59,23 +59,18 @@ async function compare([index, mode]) {
                  { left: width * (mode === 'anaglyph' ? eye : place), width, height,
                    rows: mode === 'rows' ? eye : undefined });
   }));
-  if (mode === 'anaglyph') painter.endAnaglyph();
-  const gl = canvas.getContext('webgl2'), across = canvas.width;
-  const found = new Uint8Array(4 * across * height);
-  gl.readPixels(0, 0, across, height, gl.RGBA, gl.UNSIGNED_BYTE, found);
+  painter.end();
+  const found = modules.read(canvas);
   let most = 0, colors = 0;
-  for (let y = 0; y < height; y++) {
-    for (let at = 0; at < 4 * across; at++) {
-      const a = exact.data[4 * across * y + at], b = found[4 * across * (height - 1 - y) + at];
-      most = Math.max(most, Math.abs(a - b));
-      colors += a !== exact.data[at % 4] ? 1 : 0;
-    }
+  for (let at = 0; at < found.length; at++) {
+    most = Math.max(most, Math.abs(exact.data[at] - found[at]));
+    colors += exact.data[at] !== exact.data[at % 4] ? 1 : 0;
   }
-  gl.getExtension('WEBGL_lose_context').loseContext();
+  painter.gl?.getExtension('WEBGL_lose_context').loseContext();
   return { most, colors, views: header.views };
 }
 
-test('at the viewpoint drawn for, WebGL composes the picture of the host', async t => {
+test('at the viewpoint drawn for, painters compose the picture of the host', async t => {
   const keeping = await openPage(browser, `${server.url}&video=off`, { script: keepFrames });
   await keeping.page.evaluate(loadModules);
   for (const mode of MODES) {
@@ -87,12 +82,14 @@ test('at the viewpoint drawn for, WebGL composes the picture of the host', async
         globalThis.kept.findIndex(each => each.revision >= revision), revision);
       if (index >= 0 && tries > 0) index = -2;
     }
-    const { most, colors, views } = await keeping.page.evaluate(compare,
-      [index === -2 ? -1 : index, mode]);
-    t.diagnostic(`${mode}: off by ${most} of 255 at most`);
-    assert.equal(views, 2);
-    assert.ok(colors > 10_000, `${colors}`);
-    assert.ok(most <= (mode === 'anaglyph' ? MOST_OFF : 0), `${mode}: off by ${most}`);
+    for (const painter of PAINTERS) {
+      const { most, colors, views } = await keeping.page.evaluate(
+        compare, [painter, index === -2 ? -1 : index, mode]);
+      t.diagnostic(`${painter}, ${mode}: off by ${most} of 255 at most`);
+      assert.equal(views, 2);
+      assert.ok(colors > 10_000, `${colors}`);
+      assert.ok(most <= (mode === 'anaglyph' ? MOST_OFF : 0), `${painter}, ${mode}: ${most}`);
+    }
   }
   await keeping.close();
 });

@@ -5,8 +5,8 @@ import test from 'node:test';
 import { browser, byId, openPage, page, server, shoot, usePage } from '../harness.js';
 import { after, drag, middleOf, rawSocket, say, settled, state } from '../steps.js';
 import { checkWarped, LEAST_PSNR_DB, pixelsOf, similarity, whileStopped } from './screen.js';
-import { compareMoving, comparePictures, keepFrames, loadModules, meanSimilarity, sameSize,
-         warpedFrame, watchMoving } from './warping.js';
+import { compareMoving, comparePictures, keepFrames, loadModules, meanSimilarity, PAINTERS,
+         sameSize, warpedFrame, watchMoving } from './warping.js';
 
 const SCREEN_GAIN_DB = 3;   // On the screen, where the background counts, too.
 const ROUNDING = 1;         // Of a blended channel.
@@ -97,10 +97,12 @@ test('from the viewpoint drawn for, the layers are blended exactly', async () =>
   const keeping = await openKeeping();
   for (const view of ['view anterior fit=yes', 'view 30 15 roll=5', 'view 90 60']) {
     const index = await layersOf(keeping.page, view);
-    const { differing, covered, background } = await keeping.page.evaluate(warpedFrame,
-      ['layered', index, ROUNDING]);
-    assert.equal(differing, 0, `${view}: ${differing} differ, of ${covered} with a surface`);
-    assert.ok(covered > 2000 && background > 2000, `${covered} ${background}`);
+    for (const painter of PAINTERS) {
+      const { differing, covered, background } = await keeping.page.evaluate(
+        warpedFrame, [painter, 'layered', index, ROUNDING]);
+      assert.equal(differing, 0, `${painter}, ${view}: ${differing} differ, of ${covered}`);
+      assert.ok(covered > 2000 && background > 2000, `${covered} ${background}`);
+    }
     const db = await keeping.page.evaluate(meanSimilarity, index);
     assert.ok(db > LEAST_PSNR_DB, `${view}: beside the resting picture ${db} dB`);
   }
@@ -118,8 +120,10 @@ test('from a viewpoint aside, the warped layers are nearly the exact picture', a
     const words = now => `view ${now.azimuth_deg} ${now.elevation_deg} roll=0 zoom=${now.zoom} ` +
       `pan=${pan_mm}`;
     const pair = await pairOf(keeping.page, words(from), words({ ...from, ...view }));
-    const found = await keeping.page.evaluate(comparePictures, pair);
-    checkWarped(t, name, found);
+    for (const painter of PAINTERS) {
+      checkWarped(t, `${painter}, ${name}`,
+                  await keeping.page.evaluate(comparePictures, [painter, ...pair]));
+    }
   }
   await keeping.close();
 });

@@ -8,6 +8,7 @@ import { after, say, settled } from '../steps.js';
 export const LEAST_PSNR_DB = 28;  // A warped picture 5 degrees aside, in means of 4 x 4 pixels.
 const LEAST_GAIN_DB = 5;          // Over the picture as it was.
 const MOST_UNKNOWN = 0.08;        // Share of the surface that only the exact picture shows.
+export const MOST_UNLIKE = 0.005; // Share of pixels in which painters differ: mostly at edges.
 const TRIES = 40;         // On a busy computer, most frames of one sample are replaced.
 
 /** The processes of the GPs. */
@@ -51,11 +52,15 @@ export async function keptOf(raw, keeping, view) {
 export function checkWarped(t, name, found) {
   t.diagnostic(`${name}: ${found.warped_db.toFixed(1)} dB, as it was ` +
     `${found.late_db.toFixed(1)} dB; unknown ${(100 * found.unknown).toFixed(2)} %; ` +
-    `of ${found.bytes} bytes ${found.depth_bytes} are depths`);
+    `of ${found.bytes} bytes ${found.depth_bytes} are depths; ` +
+    `other painter: ${(100 * found.unlike).toFixed(2)} % differ`);
   assert.ok(found.warped_db >= LEAST_PSNR_DB, `${name}: ${found.warped_db} dB`);
   assert.ok(found.warped_db >= found.late_db + LEAST_GAIN_DB,
             `${name}: ${found.warped_db} dB, as it was ${found.late_db} dB`);
   assert.ok(found.unknown < MOST_UNKNOWN, `${name}: ${found.unknown} are unknown`);
+  assert.ok(found.unlike < MOST_UNLIKE, `${name}: the painters differ in ${found.unlike}`);
+  assert.ok(found.shown > 10 && found.elsewhere <= 0.02 * found.shown,
+            `${name}: of ${found.shown} pixels ${found.elsewhere} show another place`);
 }
 
 /** The PSNR of two screenshots of one element, in means of 4 x 4 pixels. */

@@ -9,7 +9,7 @@ import { after, drag, middleOf, say, settled, socketWithoutSkin, state, stateWhe
   from '../steps.js';
 import { checkWarped, keptOf, LEAST_PSNR_DB, pixelsOf, warpedAndLate, whileStopped }
   from './screen.js';
-import { comparePictures, keepFrames, loadModules, warpedFrame } from './warping.js';
+import { comparePictures, keepFrames, loadModules, PAINTERS, warpedFrame } from './warping.js';
 
 const SEED = process.env.PXPL5_SEED ?? '1993';
 const SCREEN_GAIN_DB = 4;  // On the screen, where the background counts, too.
@@ -118,10 +118,12 @@ test('a drag leads to the view that the page has shown', async () => {
 test('from the viewpoint drawn for, the warped picture is the picture', async () => {
   const keeping = await openKeeping();
   const index = await keptOf(raw, keeping.page, 'view 30 15 roll=5 fit=yes');
-  const { differing, covered, background } = await keeping.page.evaluate(warpedFrame,
-                                                                        ['kept', index, 0]);
-  assert.equal(differing, 0, `${differing} pixels differ, of ${covered} with a surface`);
-  assert.ok(covered > 10_000 && background > 10_000, `${covered} ${background}`);
+  for (const painter of PAINTERS) {
+    const { differing, covered, background } = await keeping.page.evaluate(
+      warpedFrame, [painter, 'kept', index, 0]);
+    assert.equal(differing, 0, `${painter}: ${differing} pixels differ, of ${covered}`);
+    assert.ok(covered > 10_000 && background > 10_000, `${covered} ${background}`);
+  }
   await keeping.close();
 });
 
@@ -139,9 +141,11 @@ test('from a viewpoint aside, the warped picture is nearly the exact one', async
       `pan=${now.pan_mm}`;
     const pair = [await keptOf(raw, keeping.page, words(from)),
                   await keptOf(raw, keeping.page, words({ ...from, ...view }))];
-    const found = await keeping.page.evaluate(comparePictures,
-                                              pair.map(index => ['kept', index]));
-    checkWarped(t, name, found);
+    for (const painter of PAINTERS) {
+      const found = await keeping.page.evaluate(comparePictures,
+                                                [painter, ...pair.map(index => ['kept', index])]);
+      checkWarped(t, `${painter}, ${name}`, found);
+    }
   }
   await keeping.close();
 });
@@ -275,17 +279,62 @@ test('without warp and with two screen doors the page shows each picture itself'
   await off.close();
 });
 
-test('a browser without WebGL 2 says so, and shows each picture itself', async () => {
+test('where WebGL is a program the page draws without it, unless the address wants it',
+     async () => {
+  const kindOf = page => page.getByTestId('warp').evaluate(canvas =>
+    ['2d', 'webgl2'].find(kind => canvas.getContext(kind)));
+  assert.ok(await warpedWhileTurning(page) > 0);
+  assert.equal(await kindOf(page), '2d');
+  for (const [wanted, kind] of [['webgl', 'webgl2'], ['software', '2d']]) {
+    const other = await openPage(browser, `${server.url}&warp=${wanted}`);
+    assert.ok(await warpedWhileTurning(other.page) > 0, wanted);
+    assert.equal(await kindOf(other.page), kind);
+    await other.close();
+  }
+});
+
+test('WebGL that the browser takes and gives back goes on', async () => {
+  const other = await openPage(browser, `${server.url}&warp=webgl`);
+  assert.ok(await warpedWhileTurning(other.page) > 0);
+  await unfold(other.page);
+  const box = other.page.getByTestId('warp-switch');
+  await other.page.getByTestId('warp').evaluate(canvas => {
+    history.replaceState(null, '', location.href.replace('warp=webgl', 'warp=software'));
+    globalThis.taken = canvas.getContext('webgl2').getExtension('WEBGL_lose_context');
+    globalThis.taken.loseContext();
+  });
+  await other.page.waitForFunction(box => box.disabled, await box.elementHandle());
+  assert.match(await box.locator('..').getAttribute('title'), /taken WebGL back/);
+  await other.page.evaluate(() => globalThis.taken.restoreContext());
+  await other.page.waitForFunction(box => !box.disabled, await box.elementHandle());
+  assert.ok(await warpedWhileTurning(other.page) > 0);
+  await other.close();
+});
+
+test('without WebGL 2 the picture follows the pointer, too', async () => {
   const none = await openPage(browser, server.url, { script: () => {
     const plain = HTMLCanvasElement.prototype.getContext;
     HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
       return kind === 'webgl2' ? null : plain.call(this, kind, ...rest);
     };
   } });
+  assert.ok(await warpedWhileTurning(none.page) > 0);
+  await none.close();
+});
+
+test('a browser that falsifies colors says so, and shows each picture itself', async () => {
+  const none = await openPage(browser, server.url, { script: () => {
+    const plain = OffscreenCanvasRenderingContext2D.prototype.getImageData;
+    OffscreenCanvasRenderingContext2D.prototype.getImageData = function (...where) {
+      const found = plain.apply(this, where);
+      found.data.forEach((part, at) => { found.data[at] = part ^ 77; });
+      return found;
+    };
+  } });
   await unfold(none.page);
   const box = none.page.getByTestId('warp-switch');
   assert.ok(await box.isDisabled());
-  assert.match(await box.locator('..').getAttribute('title'), /no WebGL 2/);
+  assert.match(await box.locator('..').getAttribute('title'), /does not let the page read/);
   assert.equal(await warpedWhileTurning(none.page), 0);
   await none.close();
 });

@@ -1,5 +1,8 @@
 // Functions that run in the page: they keep frames with depths, and compare warped pictures.
 
+/** The page's painters of warped pictures. */
+export const PAINTERS = ['webgl', 'software'];
+
 /**
  * Runs before the page's own code: keeps resting frames of one sample with depths, frames of two
  * layers, and refined frames.
@@ -32,6 +35,7 @@ export async function loadModules() {
   const modules = { camera: await load('picture/camera.js'),
                     lean: await load('picture/lean_depths.js'),
                     painter: await load('picture/warp_painter.js'),
+                    software: await load('picture/software_painter.js'),
                     bitmaps: await load('picture/bitmaps.js'),
                     messages: await load('link/messages.js') };
   /**
@@ -64,10 +68,30 @@ export async function loadModules() {
              depth_bytes: depths.reduce((sum, each) => sum + each.length, 0),
              bytes: message.byteLength };
   };
+  /** A painter of PAINTERS. */
+  modules.painterOf = (name, canvas) => name === 'software'
+    ? new modules.software.SoftwarePainter(canvas) : new modules.painter.WarpPainter(canvas);
+  /** What pixelAt() of a painter says of the front layer, for the pixels of a grid. */
+  modules.placesOf = (name, frame, view) => {
+    const painter = modules.painterOf(name, document.createElement('canvas'));
+    const { cameraAt, multiply, inverse } = modules.camera, aspect = frame.width / frame.height;
+    const clip = each => cameraAt(each, frame.camera, aspect).patient_to_clip;
+    painter.take(frame.bitmap, frame.leans);
+    const warp = multiply(clip(view), inverse(clip(frame.camera)));
+    const found = [];
+    for (let y = 5; y < frame.height; y += 37) {
+      for (let x = 5; x < frame.width; x += 37) {
+        found.push(painter.pixelAt({ x, y }, frame, frame.leans.length - 1, warp,
+                                   view.zoom / frame.camera.zoom));
+      }
+    }
+    painter.gl?.getExtension('WEBGL_lose_context').loseContext();
+    return found;
+  };
   /** The pixels of a frame as seen from a view. With `tests`, each cell is tested for tearing. */
-  modules.warp = (frame, view, background, { hatches = true, tests = false } = {}) => {
+  modules.warp = (name, frame, view, background, { hatches = true, tests = false } = {}) => {
     const canvas = document.createElement('canvas');
-    const painter = new modules.painter.WarpPainter(canvas);
+    const painter = modules.painterOf(name, canvas);
     if (!hatches) painter.hatch_ = () => {};
     const { cameraAt, multiply, inverse } = modules.camera, aspect = frame.width / frame.height;
     const clip = each => cameraAt(each, frame.camera, aspect).patient_to_clip;
@@ -88,20 +112,25 @@ export async function loadModules() {
     frame.leans.forEach((_, layer) => painter.draw(layer, warp, view.zoom / frame.camera.zoom,
                                                    layer ? frame.header.opacity / 16 : 1,
                                                    { left: 0, ...frame }));
+    painter.end();
     const pixels = modules.read(canvas);
-    canvas.getContext('webgl2').getExtension('WEBGL_lose_context').loseContext();
+    painter.gl?.getExtension('WEBGL_lose_context').loseContext();
     return pixels;
   };
-  /** The pixels of a canvas of WebGL, the upper row first. */
+  /** The pixels that a painter has drawn on a canvas, before the task ends. */
   modules.read = canvas => {
-    const gl = canvas.getContext('webgl2'), { width, height } = canvas;
-    const bottomUp = new Uint8Array(width * height * 4), pixels = new Uint8Array(bottomUp.length);
-    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, bottomUp);
-    for (let y = 0; y < height; y++) {
-      pixels.set(bottomUp.subarray((height - 1 - y) * width * 4, (height - y) * width * 4),
-                 y * width * 4);
+    const { width, height } = canvas, context = new OffscreenCanvas(width, height).getContext('2d');
+    context.drawImage(canvas, 0, 0);
+    return context.getImageData(0, 0, width, height).data;
+  };
+  modules.otherThan = painter => painter === 'webgl' ? 'software' : 'webgl';
+  /** The share of pixels of which a channel differs by more than their rounding. */
+  modules.unlike = (a, b) => {
+    let count = 0;
+    for (let at = 0; at < a.length; at += 4) {
+      count += [0, 1, 2].some(k => Math.abs(a[at + k] - b[at + k]) > 8) ? 1 : 0;
     }
-    return pixels;
+    return 4 * count / a.length;
   };
   /** A background that no surface has, to find what is not known. */
   modules.key = '#ff00ff';
@@ -161,31 +190,42 @@ export async function loadModules() {
  * A kept frame, warped to its own viewpoint, beside the frame itself. `differing` counts the pixels
  * of which a channel differs by more than `least`.
  */
-export async function warpedFrame([list, index, least]) {
+export async function warpedFrame([painter, list, index, least]) {
   const { modules } = globalThis;
   const frame = await modules.open(globalThis[list][index]);
-  const pixels = modules.warp(frame, frame.camera, frame.state.background);
+  const pixels = modules.warp(painter, frame, frame.camera, frame.state.background);
   let differing = 0, covered = 0;
   for (let at = 0; at < pixels.length; at += 4) {
     covered += frame.shows(at / 4 % frame.width, Math.floor(at / 4 / frame.width));
     differing += [0, 1, 2].some(k => Math.abs(pixels[at + k] - frame.pixels[at + k]) > least)
       ? 1 : 0;
   }
+  frame.bitmap.close();
   return { differing, covered, background: frame.width * frame.height - covered };
 }
 
 /**
  * A kept frame warped to the viewpoint of another, beside the other. Each is a list with an index.
+ * `unlike` is the share of the pixels in which the two painters differ; of the pixels of a grid,
+ * `shown` show the front layer, and `elsewhere` show another place of it with the other painter.
  */
-export async function comparePictures(pair) {
+export async function comparePictures([painter, ...pair]) {
   const { modules } = globalThis;
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
-  const keyed = modules.warp(late, exact.camera, modules.key);
-  const warped = modules.warp(late, exact.camera, exact.state.background);
-  const { unknown, db } = modules.judge(exact, keyed, [warped, late.pixels]);
-  return { warped_db: db[0], late_db: db[1], unknown, bytes: late.bytes,
-           depth_bytes: late.depth_bytes };
+  const warped = (painter, background) => modules.warp(painter, late, exact.camera, background);
+  const keyed = warped(painter, modules.key);
+  const { unknown, db } = modules.judge(exact, keyed, [warped(painter, exact.state.background),
+                                                       late.pixels]);
+  const unlike = modules.unlike(keyed, warped(modules.otherThan(painter), modules.key));
+  const [ours, others] = ['webgl', 'software'].map(name =>
+    modules.placesOf(name, late, exact.camera));
+  const elsewhere = ours.filter((at, k) => Math.hypot((at?.x ?? -9) - (others[k]?.x ?? -9),
+                                                      (at?.y ?? -9) - (others[k]?.y ?? -9)) > 1.5);
+  for (const { bitmap } of [late, exact]) bitmap.close();
+  return { warped_db: db[0], late_db: db[1], unknown, unlike,
+           shown: ours.filter(Boolean).length, elsewhere: elsewhere.length,
+           bytes: late.bytes, depth_bytes: late.depth_bytes };
 }
 
 /** Whether kept frames have one size. Each is a list with an index. */
@@ -237,6 +277,7 @@ export function watchMoving() {
 export async function compareMoving(least) {
   const { modules, layered, moving } = globalThis;
   const frame = await modules.open(layered.find(each => each.revision === moving.revision));
+  frame.bitmap.close();
   let differing = 0, covered = 0;
   for (let at = 0; at < moving.data.length; at += 4) {
     covered += frame.shows(at / 4 % frame.width, Math.floor(at / 4 / frame.width));
@@ -250,16 +291,19 @@ export async function compareMoving(least) {
  * What a kept frame that is warped to the viewpoint of another knows about the other's pixels.
  * `hatched` counts the hatched pixels among those that show a surface and are not known, `false`
  * the hatched pixels that show the background, `changed` the known pixels that the hatch changes,
- * `untested` those that would differ if each cell were tested for tearing.
+ * `untested` those that would differ if each cell were tested for tearing, `unlike` is the share in
+ * which the painters differ.
  */
-export async function hatchedPixels(pair) {
+export async function hatchedPixels([painter, ...pair]) {
   const { modules } = globalThis;
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
-  const found = modules.warp(late, exact.camera, modules.key);
-  const plain = modules.warp(late, exact.camera, modules.key, { hatches: false });
-  const tested = modules.warp(late, exact.camera, modules.key, { tests: true });
-  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0, untested: 0 };
+  const found = modules.warp(painter, late, exact.camera, modules.key);
+  const plain = modules.warp(painter, late, exact.camera, modules.key, { hatches: false });
+  const tested = modules.warp(painter, late, exact.camera, modules.key, { tests: true });
+  const other = modules.warp(modules.otherThan(painter), late, exact.camera, modules.key);
+  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0, untested: 0,
+                   unlike: modules.unlike(found, other) };
   for (let at = 0; at < found.length; at += 4) {
     const shows = exact.shows(at / 4 % exact.width, Math.floor(at / 4 / exact.width));
     const isKnown = !modules.isEmpty(plain, at), isHatched = modules.isHatched(found, at);
@@ -270,5 +314,6 @@ export async function hatchedPixels(pair) {
     counts.untested += [0, 1, 2].some(k => found[at + k] !== tested[at + k]) ? 1 : 0;
     counts.changed += isKnown && [0, 1, 2].some(k => found[at + k] !== plain[at + k]) ? 1 : 0;
   }
+  for (const { bitmap } of [late, exact]) bitmap.close();
   return counts;
 }

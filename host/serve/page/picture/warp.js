@@ -5,15 +5,16 @@ import {opacitiesOf} from './bitmaps.js';
 import {cameraAt, camerasAt, inverse, isSameView, multiply} from './camera.js';
 import {sizeOf} from './compose.js';
 import {canUnpack, unpack} from './lean_depths.js';
+import {painterOf} from './painters.js';
 import {Parallax} from './parallax.js';
 import {partsOf} from './stereo.js';
-import {WarpPainter} from './warp_painter.js';
 
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 /** @typedef {import('../link/vocabulary.js').CameraState} CameraState */
 /** @typedef {import('./compose.js').Bitmap} Bitmap */
 /** @typedef {import('./camera.js').View} View */
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
+/** @typedef {import('./painters.js').Painter} Painter */
 /** @typedef {import('./stereo.js').Stereo} Stereo */
 
 /**
@@ -30,7 +31,7 @@ import {WarpPainter} from './warp_painter.js';
  */
 
 /**
- * How a picture is drawn: the arguments of WarpPainter.draw().
+ * How a picture is drawn: the arguments of Painter.draw().
  * @typedef {object} Pass
  * @property {number} picture
  * @property {number} eye
@@ -46,7 +47,7 @@ const KEPT = 256;  // Length of each list; older values are dropped.
  * Figures for the tests and the machine panel. Times are those of performance.now().
  * @typedef {object} WarpFigures
  * @property {number} draws              Warped pictures since the page was opened.
- * @property {number} uploads            Pictures that WebGL has got since then.
+ * @property {number} uploads            Pictures that the painter has got since then.
  * @property {boolean} ready             Whether the newest picture can be warped.
  * @property {boolean} warped            Whether a warped picture is on the screen.
  * @property {View | null} view          The view on the screen.
@@ -86,7 +87,7 @@ export class Warp {
     this.viewpoint_ = viewpoint;
     /** @private */
     this.canvas_ = /** @type {HTMLCanvasElement} */ (byId('warp'));
-    /** @private @type {WarpPainter | null} */
+    /** @private @type {Painter | null} */
     this.painter_ = null;
     this.parallax = new Parallax(picture);
     this.parallax.onMoved = () => void this.draw_();
@@ -230,7 +231,7 @@ export class Warp {
       return true;
     } catch (error) {  // The canvas below shows the picture.
       this.source_ = null;
-      this.refusal = say`WebGL did not take a picture: ${String(error)}`;
+      this.refusal = say`the picture cannot be warped: ${String(error)}`;
       return false;
     } finally {
       this.drop_();
@@ -271,7 +272,7 @@ export class Warp {
     const {watches} = this.connection_;
     if (this.isOn && !watches && !this.painter_) {
       try {
-        this.painter_ = new WarpPainter(this.canvas_);
+        this.painter_ = painterOf(this.canvas_);
       } catch (error) {
         this.refusal = error instanceof Error ? error.message : String(error);
       }
@@ -366,7 +367,7 @@ export class Warp {
   /**
    * @private
    * @param {Source} source
-   * @param {WarpPainter} painter
+   * @param {Painter} painter
    * @param {View} view
    * @param {import('../link/vocabulary.js').State} state
    */
@@ -393,8 +394,6 @@ export class Warp {
     for (const {picture, opacity, warp, viewport} of passes) {
       painter.draw(picture, warp, magnification, opacity, viewport);
     }
-    if (mode === 'anaglyph') {
-      painter.endAnaglyph();
-    }
+    painter.end();
   }
 }

@@ -5,19 +5,13 @@ import {sizeOf} from './compose.js';
 import {CELL_PX, coveredCells, maskRowBytes} from './lean_depths.js';
 import {calmBuckets, canShowBlocks, meshOf, SEAM_COLUMNS, seamTexels} from './warp_mesh.js';
 import {FRAGMENT, MOST_STRETCH, PLAIN_FRAGMENT, programOf, VERTEX} from './warp_program.js';
-import {WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf, wallTriangles} from './warp_walls.js';
+import {openedBy, WALL_COLUMNS, WALL_FRAGMENT, WALL_VERTEX, wallsOf, wallTriangles} from
+  './warp_walls.js';
 
 /** @typedef {import('./lean_depths.js').LeanDepths} LeanDepths */
 /** @typedef {import('./warp_mesh.js').Mesh} Mesh */
 
 const CORNERS = 0, MASK = 1, COLORS = 2, SEAMS = 3, WALLS = 4;  // Texture units.
-/**
- * Walls before the background reach so far behind a surface, of the 2 units of depth in clip space:
- * at least, and more if planes of equal depth have moved against each other. With longer walls most
- * of the hatch would hide the background; shorter ones miss the back of a bone that turns.
- */
-const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
-
 /**
  * Buffers and textures of a picture.
  * @typedef {object} PictureMesh
@@ -82,6 +76,8 @@ export class WarpPainter {
     this.wallTriangles_ = {buffer: gl.createBuffer(), count: 0};
     /** @private Made when it is first used. @type {Anaglyph | null} */
     this.anaglyph_ = null;
+    /** @private Whether what is drawn becomes an anaglyph. */
+    this.combines_ = false;
     /** @private A pixel with depth, made when it is first used. @type {WebGLFramebuffer | null} */
     this.pixel_ = null;
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
@@ -109,13 +105,14 @@ export class WarpPainter {
   }
 
   /**
-   * Clears the canvas, which gets this size.
+   * Clears the canvas, which gets this size. Drawing ends with end().
    * @param {number} width       Pixels.
    * @param {number} height
    * @param {string} background  #rrggbb, where no surface is.
    */
   begin(width, height, background) {
     const {gl, canvas_: canvas} = this;
+    this.combines_ = false;
     if (canvas.width !== width || canvas.height !== height) {
       canvas.width = width;
       canvas.height = height;
@@ -138,7 +135,7 @@ export class WarpPainter {
 
   /**
    * The same as begin() for two eyes, whose pictures are combined to an anaglyph: draw() the left
-   * one into the viewport that begins at 0, the right one at `width`. Ends with endAnaglyph().
+   * one into the viewport that begins at 0, the right one at `width`.
    * @param {number} width
    * @param {number} height
    * @param {string} background
@@ -149,11 +146,15 @@ export class WarpPainter {
     this.anaglyph_ ??= new Anaglyph(gl, (vertex, fragment) =>
       programOf(gl, vertex, fragment).program);
     this.anaglyph_.begin(width, height);
+    this.combines_ = true;
     this.clear(background);
   }
 
-  endAnaglyph() {
-    this.anaglyph_?.end();
+  /** Ends what begin() or beginAnaglyph() began. */
+  end() {
+    if (this.combines_) {
+      this.anaglyph_?.end();
+    }
   }
 
   /**
@@ -326,8 +327,7 @@ export class WarpPainter {
     this.bind_(WALLS, walls);
     gl.uniform1i(places.walls, WALLS);
     gl.uniform2i(places.size, this.size_.width, this.size_.height);
-    gl.uniform1f(places.opened,
-      OPENED + OPENED_BY_MOVE * Math.hypot(matrix[8], matrix[9]) / matrix[15]);
+    gl.uniform1f(places.opened, openedBy(matrix));
     gl.uniform3fv(places.background, this.background_);
     gl.uniform2iv(places.rows, rows);
     gl.uniformMatrix4fv(places.warp, false, matrix);

@@ -7,6 +7,13 @@ import {CELL_PX, cornerOf, FULL, maskRowBytes, MAX_LEAN} from './lean_depths.js'
 
 export const WALL_COLUMNS = 1024;   // Texels per row of the texture of walls.
 const LEAST_STEP = 12;              // Depths of one surface differ less between two pixels.
+/**
+ * Walls before the background reach so far behind a surface, of the 2 units of depth in clip space:
+ * at least, and more if planes of equal depth have moved against each other. With longer walls most
+ * of the hatch would hide the background; shorter ones miss the back of a bone that turns.
+ */
+const OPENED = 0.13, OPENED_BY_MOVE = 0.05;
+const LEAST_W = 1e-3;               // Behind the eye, and close before it, nothing is drawn.
 const ACROSS = 1, OPEN = 2, BEYOND = 4, LONG = 8, TURNED = 16;  // Bits of a wall.
 
 /**
@@ -196,17 +203,117 @@ function edgeCells({columns, rows}, covered, surfaces) {
   return isEdge;
 }
 
+/** The four corners of a wall, the first two in front: counterclockwise where it is seen. */
+const WALL_CORNERS = [0, 1, 2, 3, 2, 1];
+
 /**
- * The corners of the triangles of walls: 0 1 2 and 3 2 1 of each wall's four, the first two in
- * front. They are counterclockwise where a wall is seen.
+ * The corners of the triangles of walls.
  * @param {number} count  Of walls.
  */
 export function wallTriangles(count) {
   const corners = new Uint32Array(6 * count);
   for (let wall = 0; wall < count; ++wall) {
-    [0, 1, 2, 3, 2, 1].forEach((corner, k) => { corners[6 * wall + k] = 4 * wall + corner; });
+    WALL_CORNERS.forEach((corner, k) => { corners[6 * wall + k] = 4 * wall + corner; });
   }
   return corners;
+}
+
+/**
+ * How far walls before the background reach, in clip space.
+ * @param {Float32Array} warp  From the clip space of the picture to the new clip space.
+ */
+export function openedBy(warp) {
+  return OPENED + OPENED_BY_MOVE * Math.hypot(warp[8], warp[9]) / warp[15];
+}
+
+/**
+ * The triangles of walls in the new clip space, as WALL_VERTEX places them: x, y and w of each
+ * corner. What is behind the eye is cut off.
+ * @param {ReturnType<typeof wallsOf>} walls
+ * @param {{width: number, height: number}} size  Of the picture, pixels.
+ * @param {Float32Array} warp                     As for openedBy().
+ * @param {Float64Array} [scratch]                Is used if it is large enough.
+ * @returns {Float64Array}
+ */
+export function clippedWalls({texels, count}, size, warp, scratch = new Float64Array(0)) {
+  const opened = openedBy(warp), around = new Float64Array(12);
+  const most = 27 * count;  // A corner cut off leaves five.
+  const triangles = scratch.length < most ? new Float64Array(most) : scratch;
+  let end = 0;
+  const add = (/** @type {Float64Array} */ from, /** @type {number[]} */ corners) => {
+    for (const corner of corners) {
+      for (let part = 3 * corner; part < 3 * corner + 3; ++part) {
+        triangles[end++] = from[part];
+      }
+    }
+  };
+  for (let wall = 0; wall < count; ++wall) {
+    for (let corner = 0; corner < 4; ++corner) {
+      placeCorner(texels, wall, corner, size, opened, warp, around);
+    }
+    if (Math.min(around[2], around[5], around[8], around[11]) >= LEAST_W) {
+      add(around, WALL_CORNERS);
+      continue;
+    }
+    const seen = inFront([0, 1, 3, 2].map(corner =>
+      [...around.subarray(3 * corner, 3 * corner + 3)]));
+    for (let at = 2; at < seen.length; ++at) {
+      add(Float64Array.from([seen[0], seen[at - 1], seen[at]].flat()), [0, 1, 2]);
+    }
+  }
+  return triangles.subarray(0, end);
+}
+
+/**
+ * @param {Uint32Array} texels
+ * @param {number} wall
+ * @param {number} corner
+ * @param {{width: number, height: number}} size
+ * @param {number} opened
+ * @param {Float32Array} m
+ * @param {Float64Array} places  Gets x, y, w.
+ */
+function placeCorner(texels, wall, corner, {width, height}, opened, m, places) {
+  const texel = texels[2 * wall], depths = texels[2 * wall + 1], bits = texel >>> 26;
+  const isAcross = (bits & ACROSS) !== 0, isBack = corner >= 2;
+  const isEnd = ((corner & 1) === 1) !== ((bits & TURNED) !== 0);
+  let x = texel & 0x1fff, y = texel >>> 13 & 0x1fff, depth = clipDepth(depths & 0xffff);
+  const right = x > 0 ? width : -width, down = y > 0 ? height : -height;
+  if (bits & LONG) {
+    x += isAcross ? (isEnd ? 2 : -1) * width : 0;
+    y += isAcross ? 0 : (isEnd ? 2 : -1) * height;
+  } else if (isEnd) {
+    x += isAcross ? 1 : 0;
+    y += isAcross ? 0 : 1;
+  }
+  if (isBack && bits & BEYOND) {
+    x += isAcross ? 0 : right;
+    y += isAcross ? down : 0;
+  } else if (isBack) {
+    depth = bits & OPEN ? depth + opened : clipDepth(depths >>> 16);
+  }
+  const across = 2 * x / width - 1, up = 1 - 2 * y / height;
+  places[3 * corner] = m[0] * across + m[4] * up + m[8] * depth + m[12];
+  places[3 * corner + 1] = m[1] * across + m[5] * up + m[9] * depth + m[13];
+  places[3 * corner + 2] = m[3] * across + m[7] * up + m[11] * depth + m[15];
+}
+
+/** @param {number} lean */
+function clipDepth(lean) {
+  return 2 * (lean - 0.5) / MAX_LEAN - 1;
+}
+
+/** The part of a polygon before the eye. @param {number[][]} around  x, y, w of each corner. */
+function inFront(around) {
+  return around.flatMap((corner, at) => {
+    const next = around[(at + 1) % around.length];
+    const found = corner[2] >= LEAST_W ? [corner] : [];
+    if (corner[2] >= LEAST_W !== next[2] >= LEAST_W) {
+      const share = (LEAST_W - corner[2]) / (next[2] - corner[2]);
+      found.push(corner.map((value, part) => value + share * (next[part] - value)));
+    }
+    return found;
+  });
 }
 
 // A wall is drawn at the far plane: only where no surface is. The opened depth is in clip space.

@@ -9,7 +9,8 @@ export default {
   'the browser cannot decode depths (deflate-raw)': 'der Browser kann keine Tiefen dekodieren (deflate-raw)',
   'the browser has taken WebGL back. It may return it; if not, load the page again': 'der Browser hat WebGL zurückgenommen. Vielleicht gibt er es wieder; sonst laden Sie die Seite neu',
   'depths cannot be read: {0}': 'Tiefen sind nicht lesbar: {0}',
-  'WebGL did not take a picture: {0}': 'WebGL nahm ein Bild nicht an: {0}',
+  'the picture cannot be warped: {0}': 'das Bild kann nicht verformt werden: {0}',
   'the browser has no WebGL 2': 'der Browser hat kein WebGL 2',
+  'the browser does not let the page read pictures, as it protects against fingerprinting': 'der Browser lässt die Seite keine Bilder lesen, weil er vor Wiedererkennung schützt',
   'the browser refuses the shaders: {0} {1}': 'der Browser lehnt die Shader ab: {0} {1}',
 };
