@@ -1,6 +1,7 @@
 // How fast the viewer follows a person, measured in the page, through tests/browser/run_test.sh:
 //
 //     viewer.js [--seconds N] [--size 512x512] [--volume PATH [--load OPTION].. --surface LINE..]
+//         [--warp webgl|software]
 //
 // The volume is phantom:pelvis, or PATH with the options of `load` and surfaces that the command
 // `surface` takes: --surface 'bone iso=150'. Prints a table; fails on no time, but if the picture
@@ -29,6 +30,7 @@ const { values: options } = parseArgs({ options: {
   volume: { type: 'string', default: PHANTOM },
   load: { type: 'string', multiple: true, default: [] },
   surface: { type: 'string', multiple: true, default: [] },
+  warp: { type: 'string', default: '' },
 } });
 const seconds = Number(options.seconds);
 if (!(seconds > 0)) throw new Error(`--seconds is above 0; it is ${options.seconds}`);
@@ -128,7 +130,8 @@ async function atRest() {
 
 const server = await serve(options.volume, ...options.load);
 const browser = await launchBrowser();
-const { page, close } = await openPage(browser, server.url, { script: record });
+const { page, close } = await openPage(browser, `${server.url}&warp=${options.warp}`,
+                                       { script: record });
 await settled(page);
 
 /** Does a command, and waits until its picture has settled. An open socket would get frames. */

@@ -47,7 +47,7 @@ export async function keptOf(raw, keeping, view) {
 /**
  * Checks a warped picture beside the exact one.
  * @param t      The test.
- * @param found  Result of comparePictures().
+ * @param found  Result of comparePictures() of one painter.
  */
 export function checkWarped(t, name, found) {
   t.diagnostic(`${name}: ${found.warped_db.toFixed(1)} dB, as it was ` +

@@ -123,7 +123,6 @@ export async function loadModules() {
     context.drawImage(canvas, 0, 0);
     return context.getImageData(0, 0, width, height).data;
   };
-  modules.otherThan = painter => painter === 'webgl' ? 'software' : 'webgl';
   /** The share of pixels of which a channel differs by more than their rounding. */
   modules.unlike = (a, b) => {
     let count = 0;
@@ -205,27 +204,30 @@ export async function warpedFrame([painter, list, index, least]) {
 }
 
 /**
- * A kept frame warped to the viewpoint of another, beside the other. Each is a list with an index.
- * `unlike` is the share of the pixels in which the two painters differ; of the pixels of a grid,
- * `shown` show the front layer, and `elsewhere` show another place of it with the other painter.
+ * A kept frame warped by each painter to the viewpoint of another frame, beside the other. Each
+ * frame is a list with an index. `unlike` is the share of the pixels in which the painters differ;
+ * of the pixels of a grid, `shown` show the front layer, and `elsewhere` show another place of it
+ * with the other painter.
  */
-export async function comparePictures([painter, ...pair]) {
-  const { modules } = globalThis;
+export async function comparePictures(pair) {
+  const { modules } = globalThis, names = ['webgl', 'software'];
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
-  const warped = (painter, background) => modules.warp(painter, late, exact.camera, background);
-  const keyed = warped(painter, modules.key);
-  const { unknown, db } = modules.judge(exact, keyed, [warped(painter, exact.state.background),
-                                                       late.pixels]);
-  const unlike = modules.unlike(keyed, warped(modules.otherThan(painter), modules.key));
-  const [ours, others] = ['webgl', 'software'].map(name =>
-    modules.placesOf(name, late, exact.camera));
+  const warped = (name, background) => modules.warp(name, late, exact.camera, background);
+  const keyed = names.map(name => warped(name, modules.key));
+  const unlike = modules.unlike(...keyed);
+  const [ours, others] = names.map(name => modules.placesOf(name, late, exact.camera));
   const elsewhere = ours.filter((at, k) => Math.hypot((at?.x ?? -9) - (others[k]?.x ?? -9),
                                                       (at?.y ?? -9) - (others[k]?.y ?? -9)) > 1.5);
+  const found = names.map((name, at) => {
+    const { unknown, db } = modules.judge(exact, keyed[at],
+                                          [warped(name, exact.state.background), late.pixels]);
+    return [name, { warped_db: db[0], late_db: db[1], unknown, unlike,
+                    shown: ours.filter(Boolean).length, elsewhere: elsewhere.length,
+                    bytes: late.bytes, depth_bytes: late.depth_bytes }];
+  });
   for (const { bitmap } of [late, exact]) bitmap.close();
-  return { warped_db: db[0], late_db: db[1], unknown, unlike,
-           shown: ours.filter(Boolean).length, elsewhere: elsewhere.length,
-           bytes: late.bytes, depth_bytes: late.depth_bytes };
+  return Object.fromEntries(found);
 }
 
 /** Whether kept frames have one size. Each is a list with an index. */
@@ -288,32 +290,35 @@ export async function compareMoving(least) {
 }
 
 /**
- * What a kept frame that is warped to the viewpoint of another knows about the other's pixels.
+ * What a kept frame, warped by each painter to the viewpoint of another, knows about its pixels.
  * `hatched` counts the hatched pixels among those that show a surface and are not known, `false`
  * the hatched pixels that show the background, `changed` the known pixels that the hatch changes,
  * `untested` those that would differ if each cell were tested for tearing, `unlike` is the share in
  * which the painters differ.
  */
-export async function hatchedPixels([painter, ...pair]) {
-  const { modules } = globalThis;
+export async function hatchedPixels(pair) {
+  const { modules } = globalThis, names = ['webgl', 'software'];
   const [late, exact] = await Promise.all(pair.map(([list, index]) =>
     modules.open(globalThis[list].at(index))));
-  const found = modules.warp(painter, late, exact.camera, modules.key);
-  const plain = modules.warp(painter, late, exact.camera, modules.key, { hatches: false });
-  const tested = modules.warp(painter, late, exact.camera, modules.key, { tests: true });
-  const other = modules.warp(modules.otherThan(painter), late, exact.camera, modules.key);
-  const counts = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0, untested: 0,
-                   unlike: modules.unlike(found, other) };
-  for (let at = 0; at < found.length; at += 4) {
-    const shows = exact.shows(at / 4 % exact.width, Math.floor(at / 4 / exact.width));
-    const isKnown = !modules.isEmpty(plain, at), isHatched = modules.isHatched(found, at);
-    counts.covered += shows;
-    counts.unknown += shows && !isKnown ? 1 : 0;
-    counts.hatched += shows && !isKnown && isHatched ? 1 : 0;
-    counts.false += !shows && isHatched ? 1 : 0;
-    counts.untested += [0, 1, 2].some(k => found[at + k] !== tested[at + k]) ? 1 : 0;
-    counts.changed += isKnown && [0, 1, 2].some(k => found[at + k] !== plain[at + k]) ? 1 : 0;
-  }
+  const warped = (name, how) => modules.warp(name, late, exact.camera, modules.key, how);
+  const pictures = names.map(name => warped(name));
+  const unlike = modules.unlike(...pictures);
+  const counts = names.map((name, picture) => {
+    const found = pictures[picture], plain = warped(name, { hatches: false });
+    const tested = warped(name, { tests: true });
+    const count = { covered: 0, unknown: 0, hatched: 0, false: 0, changed: 0, untested: 0, unlike };
+    for (let at = 0; at < found.length; at += 4) {
+      const shows = exact.shows(at / 4 % exact.width, Math.floor(at / 4 / exact.width));
+      const isKnown = !modules.isEmpty(plain, at), isHatched = modules.isHatched(found, at);
+      count.covered += shows;
+      count.unknown += shows && !isKnown ? 1 : 0;
+      count.hatched += shows && !isKnown && isHatched ? 1 : 0;
+      count.false += !shows && isHatched ? 1 : 0;
+      count.untested += [0, 1, 2].some(k => found[at + k] !== tested[at + k]) ? 1 : 0;
+      count.changed += isKnown && [0, 1, 2].some(k => found[at + k] !== plain[at + k]) ? 1 : 0;
+    }
+    return [name, count];
+  });
   for (const { bitmap } of [late, exact]) bitmap.close();
-  return counts;
+  return Object.fromEntries(counts);
 }
