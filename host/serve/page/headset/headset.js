@@ -1,5 +1,6 @@
 // The headset on the page: its button, what the help says about it, and the strip while it is worn.
 import {byId, h} from '../elements/dom.js';
+import {webGlOf} from '../picture/painters.js';
 import {say} from '../texts/say.js';
 import {reasonAgainst} from './reasons.js';
 import {Worn} from './worn.js';
@@ -55,6 +56,8 @@ export class Headset {
     });
     app.connection.on('hello', () => void this.look_());
     app.picture.warp?.onSwitched(() => this.offer_());
+    /** @private Known once there is a headset. */
+    this.hasWebGl_ = false;
     navigator.xr?.addEventListener('devicechange', () => void this.look_());
     void this.look_();
   }
@@ -62,13 +65,17 @@ export class Headset {
   /** Asks the browser for a headset. @private */
   async look_() {
     this.figures_.reason = await reasonAgainst();
+    if (this.figures_.reason === '') {
+      this.hasWebGl_ ||= webGlOf() !== null;
+    }
     this.offer_();
   }
 
   /** Shows the button and the help. @private */
   offer_() {
     const {reason} = this.figures_, {watches} = this.app_.connection;
-    const cannotWarp = this.app_.picture.warp?.refusal ?? '';
+    const cannotWarp = this.app_.picture.warp?.refusal
+      || (this.hasWebGl_ ? '' : say`the browser has no WebGL 2`);
     const refusal = watches ? say`A view-only page cannot use a headset. Use the other address that
       pxpl5 serve printed.`
       : cannotWarp === '' ? '' : say`The page cannot use a headset: ${cannotWarp}.`;

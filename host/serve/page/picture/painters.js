@@ -10,18 +10,22 @@ const ofWebGl = new WeakSet();
 // Names of programs that compute what a graphics card would.
 const SOFTWARE = /swiftshader|llvmpipe|softpipe|software|basic render/i;
 
-/**
- * Whether a graphics card draws for WebGL 2. A browser that hides the name of its card has one.
- */
-function hasGraphicsCard() {
+/** The name of what draws for WebGL 2, which browsers may hide; null without WebGL 2. */
+export function webGlOf() {
   const gl = document.createElement('canvas').getContext('webgl2');
   if (!gl) {
-    return false;
+    return null;
   }
   const names = gl.getExtension('WEBGL_debug_renderer_info');
   const name = String(gl.getParameter(names ? names.UNMASKED_RENDERER_WEBGL : gl.RENDERER));
   gl.getExtension('WEBGL_lose_context')?.loseContext();
-  return !SOFTWARE.test(name);
+  return name;
+}
+
+/** Whether a graphics card draws for WebGL 2. A browser that hides the name of its card has one. */
+function hasGraphicsCard() {
+  const name = webGlOf();
+  return name !== null && !SOFTWARE.test(name);
 }
 
 /**
