@@ -202,11 +202,14 @@ void write_dicom(const Seeds& seeds) {
     seeds.write("dicom", "mosaic", none + elements(mosaic()));
 }
 
-/// A folder and three files, of which one is DICOM.
+/// A folder and four files: two of them are DICOM, and have one name.
 void write_archives(const Seeds& seeds) {
     const Grid small{{3, 3, 3}, glm::dmat4(1.0), ramp<std::int16_t>(27)};
-    const NamedBytes files = {
-        {"CT/", ""}, {"CT/IM1", dicom_slice(small, 1).file()}, {"CT/no", "1"}, {"../no", "2"}};
+    const NamedBytes files = {{"CT/", ""},
+                              {"CT/IM1", dicom_slice(small, 0).file()},
+                              {"CT/IM1", dicom_slice(small, 1).file()},
+                              {"CT/no", "1"},
+                              {"../no", "2"}};
     const auto add = [&](const char* name, const std::string& letter, auto... how) {
         std::string bytes = packed(files, how...);
         if (letter != "a") {  // The target appends the end of a tar archive.
