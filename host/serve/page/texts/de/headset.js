@@ -20,6 +20,7 @@ export default {
   'Show the patient in the headset': 'Den Patienten im Headset zeigen',
   'The headset could not be started: {0}': 'Das Headset konnte nicht gestartet werden: {0}',
   'The headset session has ended.': 'Die Sitzung des Headsets ist beendet.',
+  'the browser has no WebGL 2': 'der Browser hat kein WebGL 2',
   'The headset session has ended: the browser has taken WebGL back.': 'Die Sitzung des Headsets ist beendet: Der Browser hat WebGL zurückgenommen.',
   'A pair of pictures could not be shown: {0}': 'Ein Bildpaar konnte nicht gezeigt werden: {0}',
   'pair {0}: {1} views, but a headset needs 2. Load the page again; it may be older than the server.': 'Paar {0}: {1} Ansichten, aber ein Headset braucht 2. Laden Sie die Seite neu; sie kann älter sein als der Server.',
