@@ -13,6 +13,7 @@
 #include "ringbus/range_check.hpp"
 #include "ringbus/rules/light_sum.hpp"
 #include "ringbus/rules/regions.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 #include "ringbus/rules/slices_file.hpp"
 
 namespace pxpl5::bus {
@@ -64,6 +65,33 @@ std::string pass_range(const schema::DrawFrame& draw) {
     return check.reason();
 }
 
+std::string planes_range(const schema::DrawFrame& draw) {
+    const std::size_t most = std::min<std::size_t>(max_slice_planes, draw.surfaces()->size());
+    Check check;
+    check.within("number of slice planes", plane_count(draw), std::size_t{0}, most);
+    for (std::size_t k = 0; k < plane_count(draw); ++k) {
+        const auto* plane = draw.planes()->Get(static_cast<flatbuffers::uoffset_t>(k));
+        check.at_most("axis", plane->axis(), 2)
+            .at_most("slice", plane->index(), max_volume_voxels - 1)
+            .within("black", plane->black(), -2 * most_window, 2 * most_window)
+            .within("white", plane->white(), -2 * most_window, 2 * most_window);
+        if (!(plane->black() < plane->white())) {
+            check.add(fmt::format("black is {}, must be below white, {}", plane->black(),
+                                  plane->white()));
+        }
+    }
+    for (std::size_t i = draw.surfaces()->size() - std::min(plane_count(draw), most);
+         i < draw.surfaces()->size(); ++i) {
+        const auto* entry = draw.surfaces()->Get(static_cast<flatbuffers::uoffset_t>(i));
+        check
+            .equal("slabs of a slice plane", static_cast<int>(entry->slabs()),
+                   static_cast<int>(SlabChoice::all))
+            .equal("opacity of a slice plane", int{entry->opacity()}, full_opacity)
+            .equal("detail of a slice plane", int{entry->detail()}, 0);
+    }
+    return check.reason();
+}
+
 /// The next frame has a number, too.
 constexpr std::uint32_t last_frame = 0xfffffffe;
 
@@ -103,6 +131,7 @@ std::string range_of(const schema::DrawFrame& draw) {
             .within("opacity", surface->opacity(), 1, full_opacity)
             .at_most("detail", surface->detail(), max_detail);
     }
+    check.add(planes_range(draw));
     return check.reason();
 }
 

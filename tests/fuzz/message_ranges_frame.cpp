@@ -33,6 +33,14 @@ void check(const DrawFrame& draw) {
         in("opacity", surface.opacity(), 1, full_opacity);
         in("detail", surface.detail(), 0, max_detail);
     });
+    in("slice planes", length(draw.planes()), 0, max_slice_planes);
+    in("slice planes", length(draw.planes()), 0, draw.surfaces()->size());
+    each(draw.planes(), [](const SlicePlane& plane) {
+        in("axis", plane.axis(), 0, 2);
+        in("slice", plane.index(), 0, max_volume_voxels - 1);
+        finite("gray values", plane.black(), plane.white());
+        require(plane.black() < plane.white(), "black below white");
+    });
     each(draw.clip_planes(),
          [](const ClipPlane& p) { finite("clip plane", p.a(), p.b(), p.c(), p.d()); });
     const int samples = draw.samples();

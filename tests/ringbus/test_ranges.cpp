@@ -38,6 +38,14 @@ std::string refusal_of(const Spoil& spoil) {
         CHECK_MESSAGE(contains(said, text), said);                                  \
     } while (false)
 
+/// Three surfaces, the last `count` of which are slice planes.
+void planes(schema::DrawFrameT& m, std::size_t count,
+            schema::SlicePlane plane = schema::SlicePlane(2, 4095, -1, 1)) {
+    m.surfaces.assign(3, schema::SurfaceDraw(plane_surface_id, 0, schema::Rgb(), false,
+                                             SlabChoice::all, full_opacity, 0));
+    m.planes.assign(count, plane);
+}
+
 }  // namespace
 
 TEST_SUITE("ringbus/ranges") {
@@ -217,6 +225,20 @@ TEST_SUITE("ringbus/ranges") {
                       m.lights[1].mutate_intensity(1.5F), "ambient light and all intensities is 4");
         CHECK_REFUSED(DrawFrameT, m.surfaces.resize(256, m.surfaces[0]), "surfaces is 256");
         CHECK_REFUSED(DrawFrameT, m.clip_planes.resize(17), "number of clip planes is 17");
+        const std::string wrong = refusal_of<schema::DrawFrameT>([](auto& m) { planes(m, 3); });
+        CHECK_MESSAGE(wrong.empty(), wrong);
+        CHECK_REFUSED(DrawFrameT, planes(m, 4), "number of slice planes is 4");
+        CHECK_REFUSED(DrawFrameT, (planes(m, 2), m.surfaces.resize(1)),
+                      "number of slice planes is 2, allowed are 0 .. 1");
+        CHECK_REFUSED(DrawFrameT, planes(m, 1, schema::SlicePlane(3, 0, 0, 1)), "axis is 3");
+        CHECK_REFUSED(DrawFrameT, planes(m, 1, schema::SlicePlane(0, 4096, 0, 1)), "slice is 4096");
+        CHECK_REFUSED(DrawFrameT, planes(m, 1, schema::SlicePlane(0, 0, 1, 1)),
+                      "black is 1, must be below white, 1");
+        CHECK_REFUSED(DrawFrameT, planes(m, 1, schema::SlicePlane(0, 0, NAN, 1)), "black is nan");
+        CHECK_REFUSED(DrawFrameT, (planes(m, 1), m.surfaces[2].mutate_opacity(3)),
+                      "opacity of a slice plane is 3, expected 16");
+        CHECK_REFUSED(DrawFrameT, (planes(m, 1), m.surfaces[2].mutate_detail(1)),
+                      "detail of a slice plane is 1, expected 0");
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
                       "clip plane is inf");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_opacity(17), "opacity is 17");
