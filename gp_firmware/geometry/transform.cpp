@@ -114,6 +114,13 @@ Projection prepare(const Camera& camera) {
     return result;
 }
 
+Projection with_gray_values(Projection projection) {
+    constexpr float scale = region::normal_unit / normal_one;
+    projection.normal_to_eye = {{{scale, 0, 0}, {0, scale, 0}, {0, 0, scale}}};
+    projection.patient_to_eye = glm::dmat3(1.0);
+    return projection;
+}
+
 std::vector<ScreenVertex> transformed(std::span<const Vertex> vertices,
                                       const Projection& projection) {
     std::vector<GridVertex> grid(vertices.size());

@@ -82,6 +82,9 @@ inline ScreenVertex screen_vertex(const GridVertex& v, std::uint32_t outside = 0
 /// number of clip planes is out of range.
 Projection prepare(const Camera& camera);
 
+/// Returns a projection that does not turn normals: those of a slice plane are gray values.
+Projection with_gray_values(Projection projection);
+
 /// Transforms vertices to the grid, in floats of one fixed operand order: the bits are the same on
 /// every target.
 ///

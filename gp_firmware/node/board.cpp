@@ -77,6 +77,7 @@ void drop_content(Board& board, Freed freed) {
     board.is_scene = false;
     board.scratch = {};
     board.restored = {};
+    board.planes = {};
     board.frame.drawing = {};
     board.frame.programs = {};
     if (freed == Freed::returned) {

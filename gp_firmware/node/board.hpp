@@ -12,6 +12,7 @@
 #include "gp_firmware/hal/local_memory.hpp"
 #include "gp_firmware/node/programs_messages.hpp"
 #include "gp_firmware/render/frame_drawing.hpp"
+#include "gp_firmware/slices/slice_plane.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 #include "gp_firmware/volume/share.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
@@ -58,6 +59,7 @@ struct Board {
     Surfaces surfaces;
     SlabMesh scratch;   ///< Grows during extraction, so that the stored meshes need not.
     SlabMesh restored;  ///< The slab that stored_or_extracted() returned last.
+    SlicePlanes planes;
     FrameOutput frame;
 };
 

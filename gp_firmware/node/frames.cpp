@@ -43,6 +43,20 @@ std::size_t max_regions_each(const schema::DrawFrame& draw, std::size_t regions,
     return most;
 }
 
+/// Returns an empty text if the GP has the slices of all planes of the frame, else what is wrong.
+std::string missing_slices(const FrameRequest& request, const Board& board) {
+    for (const SlicePlane& plane : slice_planes_of(request)) {
+        const std::string wrong = board.store == nullptr ? "no volume is stored"
+                                  : !board.store->complete()
+                                      ? "not all slices have arrived"
+                                      : plane_refusal(plane, board.store->shape());
+        if (!wrong.empty()) {
+            return fmt::format("frame {} shows a slice plane: {}", request.frame, wrong);
+        }
+    }
+    return {};
+}
+
 /// Draws a piece. Returns true while more is left.
 bool draw_slabs(Board& board, bus::StageClock* clock) {
     FrameDrawing& drawing = board.frame.drawing;
@@ -52,7 +66,16 @@ bool draw_slabs(Board& board, bus::StageClock* clock) {
         const bus::StageClock::In extracting(clock, stage::extract);
         return stored_or_extracted(surface, mesh, board, board.machine.keeps_origins);
     };
-    const bool more = drawing.draw(board.surfaces, triangles_per_piece, extract);
+    const auto piece = [&](const SlicePlane& plane, std::size_t n, int number) -> const SlabMesh* {
+        const int slab = board.store->slabs()[n];
+        return number < plane_pieces(plane, board.store->shape(), slab)
+                   ? &board.planes.mesh(*board.store, plane, slab, number,
+                                        board.machine.keeps_origins)
+                   : nullptr;
+    };
+    const PlaneSource planes{board.store ? board.store->slabs().size() : 0,
+                             board.store && board.store->is_packed(), piece};
+    const bool more = drawing.draw(board.surfaces, triangles_per_piece, extract, planes);
     if (clock != nullptr) {
         clock->move(stage::select, stage::transform, drawing.counts().transform_ns - before_ns);
     }
@@ -62,7 +85,7 @@ bool draw_slabs(Board& board, bus::StageClock* clock) {
 /// Makes one block of the simplified surfaces that the frame wants. Returns true when all are made.
 bool simplify_surfaces(const FrameRequest& request, Board& board, bus::StageClock* clock) {
     return std::ranges::all_of(request.surfaces, [&](const SurfaceWanted& wanted) {
-        if (wanted.detail == 0) {
+        if (wanted.detail == 0 || wanted.plane) {
             return true;
         }
         const SimplifiedWish wish{wanted.surface, wanted.detail, wanted.slabs};
@@ -75,9 +98,11 @@ bool simplify_surfaces(const FrameRequest& request, Board& board, bus::StageCloc
 bool draw_piece(DrawJob& job, Board& board, bus::Outbox& out) {
     auto& [drawing, programs, sent_count] = board.frame;
     if (job.stage == DrawJob::Stage::waiting) {
-        const std::string missing = missing_surface(job.request, board.surfaces);
-        if (!missing.empty()) {
-            throw NodeFault(FaultCode::bad_input, missing);
+        for (const std::string& missing :
+             {missing_surface(job.request, board.surfaces), missing_slices(job.request, board)}) {
+            if (!missing.empty()) {
+                throw NodeFault(FaultCode::bad_input, missing);
+            }
         }
         if (!simplify_surfaces(job.request, board, out.clock())) {
             return false;

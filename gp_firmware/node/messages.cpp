@@ -10,6 +10,7 @@
 
 #include "gp_firmware/hal/local_memory.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 
 namespace pxpl5::gp {
 
@@ -82,6 +83,10 @@ VolumeShape shape_of(const schema::VolumeHeader& header) {
     return shape;
 }
 
+SlicePlane slice_plane_of(const schema::SlicePlane& plane) {
+    return {plane.axis(), static_cast<int>(plane.index()), plane.black(), plane.white()};
+}
+
 FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& shape) {
     FrameRequest request;
     request.frame = draw.frame();
@@ -103,6 +108,9 @@ FrameRequest frame_request(const schema::DrawFrame& draw, const VolumeShape& sha
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         request.surfaces.push_back({surface->surface(), surface->revision(), surface->cull_back(),
                                     surface->slabs(), surface->detail()});
+    }
+    for (std::size_t index = bus::first_plane(draw); index < request.surfaces.size(); ++index) {
+        request.surfaces[index].plane = slice_plane_of(*bus::plane_at(draw, index));
     }
     return request;
 }

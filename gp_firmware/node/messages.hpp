@@ -22,6 +22,8 @@ std::uint64_t to_us(std::chrono::steady_clock::duration elapsed);
 
 VolumeShape shape_of(const bus::schema::VolumeHeader& header);
 
+SlicePlane slice_plane_of(const bus::schema::SlicePlane& plane);
+
 /// Returns the request without the assignment.
 /// shape  The volume's shape; default-constructed without a volume.
 FrameRequest frame_request(const bus::schema::DrawFrame& draw, const VolumeShape& shape);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "gp_firmware/geometry/transform.hpp"
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/render/region_programs.hpp"
+#include "gp_firmware/slices/slice_plane.hpp"
 #include "gp_firmware/surface/case_tables.hpp"
 #include "gp_firmware/surface/mesh.hpp"
 
@@ -43,13 +45,15 @@ struct HeldSurface {
 
 using Surfaces = std::map<std::uint16_t, HeldSurface>;
 
-/// A surface that a frame shows. A frame may list a surface several times with different slabs.
+/// A surface that a frame shows, or a slice plane. A frame may list a surface several times with
+/// different slabs.
 struct SurfaceWanted {
     std::uint16_t surface = 0;
     std::uint32_t revision = 0;
     bool cull_back = false;
     SlabChoice slabs = SlabChoice::all;
-    int detail = 0;  ///< 0: exact, else see SurfaceDraw.
+    int detail = 0;                     ///< 0: exact, else see SurfaceDraw.
+    std::optional<SlicePlane> plane{};  ///< Then no surface is meant.
 };
 
 /// The request for one frame, the same for every GP.
@@ -79,11 +83,23 @@ bool draws_slab(SlabChoice choice, int slab, std::span<const int> gap_slabs);
 /// Returns the number of regions of all views.
 std::size_t region_count(const FrameRequest& request);
 
+/// Returns the slice planes of a frame.
+std::vector<SlicePlane> slice_planes_of(const FrameRequest& request);
+
 /// Returns an empty text if `surfaces` has all surfaces of `request`, else names the missing one.
 std::string missing_surface(const FrameRequest& request, const Surfaces& surfaces);
 
 /// Returns a mesh that is left out of a surface, and may store it. It stays until the next call.
 using ExtractLeftOut = std::function<const SlabMesh&(const HeldSurface&, SlabMesh&)>;
+
+/// The triangles of slice planes in the slabs of a GP.
+struct PlaneSource {
+    std::size_t slabs = 0;
+    bool is_packed = false;  ///< Slices are restored: a slab of a plane may take a piece's time.
+    /// Returns a piece of a plane in a slab, both counted from 0, or null behind the last piece. It
+    /// stays until the next call.
+    std::function<const SlabMesh*(const SlicePlane&, std::size_t slab, int piece)> piece{};
+};
 
 /// Draws one frame at a time; keeps its buffers from frame to frame.
 class FrameDrawing {
@@ -99,8 +115,10 @@ class FrameDrawing {
     /// surfaces  Surfaces for which missing_surface() is empty, with the complete simplified
     ///           surfaces that the frame wants. They must not change until the frame is done.
     /// extract   Called for slabs that are left out; may be empty if there are none.
+    /// planes    May be empty if the frame has no slice planes.
     /// Returns   true while more is left to draw.
-    bool draw(Surfaces& surfaces, std::size_t triangle_count, const ExtractLeftOut& extract = {});
+    bool draw(Surfaces& surfaces, std::size_t triangle_count, const ExtractLeftOut& extract = {},
+              const PlaneSource& planes = {});
 
     /// Returns the grid of the frame's views. Requires a frame with surfaces.
     const RegionGrid& grid() const { return eyes_.at(0).grid; }
@@ -115,14 +133,21 @@ class FrameDrawing {
         RegionGrid grid;
     };
 
+    /// Draws surface next_surface_ from slab next_slab_ on. Returns true while more is left.
+    bool draw_surface(HeldSurface& held, std::size_t enough, const ExtractLeftOut& extract);
+    bool draw_plane(const SlicePlane& plane, std::size_t enough, const PlaneSource& planes);
     void draw_slab_or_block(const SlabMesh& mesh, const SurfaceStyle& style);
+    /// Draws a part of the slab that was begun.
+    void draw_part(const SlabMesh& mesh, const SurfaceStyle& style, std::span<const Eye> eyes);
     /// Returns the number of the slab's primitives that are in any region.
     std::uint32_t draw_for(const Eye& eye, const SlabMesh& mesh, const SurfaceStyle& style);
 
     std::vector<Eye> eyes_;
+    std::vector<Eye> gray_eyes_;  ///< The same for slice planes; see with_gray_values().
     std::vector<SurfaceWanted> wanted_;
     std::vector<int> gap_slabs_;
     std::size_t next_surface_ = 0, next_slab_ = 0;
+    int next_piece_ = 0;  ///< The piece of a slice plane in its slab.
     RegionPrograms programs_;
     DrawScratch scratch_;
     DrawCounts counts_;

@@ -31,9 +31,10 @@ ROOMS = {
         "hal": set(),
         "volume": {"hal"},
         "surface": {"volume", "hal"},
+        "slices": {"surface", "volume"},
         "geometry": {"surface"},
-        "render": {"geometry", "surface", "hal"},
-        "node": {"render", "geometry", "surface", "volume", "hal"},
+        "render": {"geometry", "slices", "surface", "hal"},
+        "node": {"render", "geometry", "slices", "surface", "volume", "hal"},
         ".": {"node"},
     },
     "host": {

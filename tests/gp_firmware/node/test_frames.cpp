@@ -7,6 +7,19 @@
 using namespace pxpl5;
 using namespace pxpl5::test;
 
+namespace {
+
+/// A frame that shows a slice plane alone.
+schema::DrawFrameT plane_frame(std::uint8_t axis, std::uint32_t index) {
+    schema::DrawFrameT draw = draw_frame(9, 0);
+    draw.surfaces.assign(1, schema::SurfaceDraw(plane_surface_id, 0, schema::Rgb(), false,
+                                                SlabChoice::all, full_opacity, 0));
+    draw.planes.assign(1, schema::SlicePlane(axis, index, 0, 255));
+    return draw;
+}
+
+}  // namespace
+
 TEST_SUITE("gp/node frames") {
     TEST_CASE("the Master tells every other node that draws to begin, once") {
         const auto gps = run_machine({3, 2}, draw_frame(9, 1));
@@ -84,6 +97,33 @@ TEST_SUITE("gp/node frames") {
         for (const MachineSize size : {MachineSize{2, 2}, {3, 5}, {36, 16}}) {
             CHECK(streams(run_machine(size, draw_frame(9, 1))) == expected);
         }
+    }
+
+    TEST_CASE("streams of a slice plane are the same words for any number of GPs and Renderers") {
+        for (const std::uint8_t axis : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
+            const auto expected = streams(run_machine({1, 1}, plane_frame(axis, 12)));
+            CHECK_FALSE(expected.empty());
+            for (const MachineSize size : {MachineSize{2, 2}, {3, 5}, {36, 16}}) {
+                CHECK(streams(run_machine(size, plane_frame(axis, 12))) == expected);
+            }
+        }
+    }
+
+    TEST_CASE("a slice plane of no volume, or beyond it, is a fault, and the machine goes on") {
+        LoneGp gp({1, 3}, 0);
+        gp.receive(bus::pack(plane_frame(2, 3)));
+        CHECK(gp.fault_of_work() == "frame 9 shows a slice plane: no volume is stored");
+        load(gp);
+        gp.receive(bus::pack(plane_frame(1, n)));
+        CHECK(gp.fault_of_work() ==
+              "frame 9 shows a slice plane: slice 20 across y was requested, but the volume has "
+              "slices 0 to 19");
+        CHECK(gp.code == schema::FaultCode::bad_input);
+        CHECK(gp.box.of<schema::RegionPrograms>().size() == 6);
+        gp.receive(bus::pack(plane_frame(1, n - 1)));
+        gp.work();
+        REQUIRE(gp.box.of<schema::RegionPrograms>().size() == 9);
+        CHECK(gp.box.of<schema::RegionPrograms>()[6]->triangles_in() == 2 * (n - 1) * (n - 1));
     }
 
     TEST_CASE("only while recording, programs tell where each primitive comes from") {
