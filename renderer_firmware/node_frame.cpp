@@ -6,6 +6,8 @@
 #include <cassert>
 #include <map>
 
+#include "ringbus/rules/slice_planes.hpp"
+
 namespace pxpl5::renderer {
 
 namespace {
@@ -71,6 +73,7 @@ Shading shading_of(const schema::DrawFrame& draw) {
         const schema::Rgb& c = surface->color();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
     }
+    shading.planes = bus::plane_count(draw);
     shading.ambient = draw.ambient();
     shading.specular = draw.specular();
     shading.specular_power = draw.specular_power();

@@ -234,6 +234,7 @@ std::span<const Fused> fused_programs() {
         fused<texts::color_first>,
         fused<texts::color_next>,
         fused<texts::limit_light>,
+        fused<texts::gray>,
         fused<texts::enable_covered>,
         fused<texts::finish>,
         fused<summed_4>,

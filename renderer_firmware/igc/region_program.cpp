@@ -96,6 +96,7 @@ class Writer {
         light();
         colors();
         add(programs::finish);
+        grays();
         words_[skip] = static_cast<std::uint32_t>(words_.size());
         if (shading_.pass.samples > 1) {
             shading_.pass.samples == few_samples ? sum_4() : sum_16();
@@ -145,6 +146,9 @@ class Writer {
             add(programs::inverse);
         } else {
             add(programs::unlit);
+            if (shading_.planes > 0) {
+                add(programs::normal);
+            }
         }
         for (const Light& lamp : shading_.lights) {
             if (lamp.intensity > 0) {
@@ -218,12 +222,23 @@ class Writer {
     void colors() {
         const std::vector<Rgb>& surfaces = shading_.surfaces;
         add(programs::color_first, {{"color", spread(surfaces.empty() ? Rgb{} : surfaces[0])}});
-        for (std::size_t i = 1; i < surfaces.size(); ++i) {
+        const std::size_t lit = surfaces.size() - shading_.planes;
+        for (std::size_t i = 1; i < lit; ++i) {
             add(programs::color_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
                                        {"color", spread(surfaces[i])}});
         }
         const bool limited = limit_light();
-        if (surfaces.size() > 1 || limited) {
+        if (lit > 1 || limited) {
+            add(programs::enable_covered);
+        }
+    }
+
+    void grays() {
+        const std::size_t count = shading_.surfaces.size();
+        for (std::size_t i = count - shading_.planes; i < count; ++i) {
+            add(programs::gray, {{"surface_number", static_cast<std::int64_t>(i + 1)}});
+        }
+        if (shading_.planes > 0) {
             add(programs::enable_covered);
         }
     }
@@ -232,7 +247,7 @@ class Writer {
     bool limit_light() {
         const double brightest = brightest_light(shading_) + 1 / finish_one;
         bool limited = false;
-        for (std::size_t i = 0; i < shading_.surfaces.size(); ++i) {
+        for (std::size_t i = 0; i + shading_.planes < shading_.surfaces.size(); ++i) {
             const Rgb color = shading_.surfaces[i];
             const double limit = 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}});
             if (brightest > limit) {
@@ -262,6 +277,8 @@ void verify(const Shading& s) {
             fmt::format("{} surfaces; at most {}", s.surfaces.size(), max_surfaces));
     require(s.screens.size() <= s.surfaces.size(),
             fmt::format("{} screens of {} surfaces", s.screens.size(), s.surfaces.size()));
+    require(s.planes <= s.surfaces.size(),
+            fmt::format("{} slice planes among {} surfaces", s.planes, s.surfaces.size()));
     for (const Screen& screen : s.screens) {
         require(screen.opacity >= 1 && screen.opacity <= full_opacity,
                 fmt::format("opacity {}; must be 1..{}", screen.opacity, full_opacity));

@@ -47,6 +47,9 @@ struct Shading {
     std::vector<Rgb>
         surfaces;  ///< Colors. Surface field s of a pixel selects surfaces[s - 1]; 0..255.
     std::vector<Screen> screens;  ///< One per surface; missing ones are opaque.
+    /// The last of `surfaces` are slice planes: their pixels have gray values and no light. A
+    /// normal (0, 0, gray) has twice the gray value of 0..255 in field units, or one more.
+    std::size_t planes = 0;
     Pass pass{};  ///< Screens move by a pixel per pass. In 16 passes each pixel has every rank.
 };
 

@@ -115,6 +115,9 @@ Shading random_shading(RandomPrograms& random) {
         s.surfaces.push_back({part(), part(), part()});
         s.screens.push_back({1 + random.below(16), random.below(12)});
     }
+    if (random.below(3) == 0) {
+        s.planes = random.below(static_cast<std::uint32_t>(s.surfaces.size()) + 1);
+    }
     return s;
 }
 
