@@ -13,16 +13,13 @@
 #include "isa/contract/sample_sums.hpp"
 #include "isa/contract/screen_door.hpp"
 #include "isa/program.hpp"
+#include "renderer_firmware/igc/tone_curve.hpp"
 #include "renderer_firmware/programs/texts.hpp"
 #include "ringbus/rules/light_sum.hpp"
 
 namespace pxpl5::renderer {
 namespace {
 
-constexpr double light_one = 16384;     ///< 1.0 in `light`.
-constexpr double light_half_step = 16;  ///< finish.pxasm drops 5 bits of `light`.
-constexpr double finish_one = 512;      ///< 1.0 of the light's bits that finish.pxasm uses.
-constexpr std::int64_t light_per_step = 32;
 constexpr double diffuse_one = 8192;     ///< 1.0 of a light in its dot product.
 constexpr double dot_one = 32768;        ///< Unit length in the dot product of a highlight.
 constexpr double cosine_one = 65536;     ///< 1.0 in `cosine`.
@@ -136,8 +133,8 @@ class Writer {
     }
 
     void light() {
-        add(programs::ambient,
-            {{"ambient", std::lround(shading_.ambient * light_one + light_half_step)}});
+        add(programs::ambient, {{"ambient", std::lround(shading_.ambient * light_field::one +
+                                                        light_field::half_step)}});
         const bool any =
             std::ranges::any_of(shading_.lights, [](const Light& l) { return l.intensity > 0; });
         if (any) {
@@ -243,21 +240,29 @@ class Writer {
         }
     }
 
-    /// Limits the light of the surfaces that the lights could overexpose. Returns whether any is.
+    /// Bends the light of the surfaces that the lights could overexpose. Returns whether any is.
     bool limit_light() {
-        const double brightest = brightest_light(shading_) + 1 / finish_one;
+        const double brightest = brightest_light(shading_);
         bool limited = false;
         for (std::size_t i = 0; i + shading_.planes < shading_.surfaces.size(); ++i) {
             const Rgb color = shading_.surfaces[i];
-            const double limit = 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}});
-            if (brightest > limit) {
-                const auto steps = static_cast<std::int64_t>(limit * finish_one);
-                add(programs::limit_light, {{"surface_number", static_cast<std::int64_t>(i + 1)},
-                                            {"limit", (steps + 1) * light_per_step - 1}});
+            if (const auto curve = tone_curve(brightest, std::max({color.r, color.g, color.b}))) {
+                bend_light(static_cast<std::int64_t>(i + 1), *curve);
                 limited = true;
             }
         }
         return limited;
+    }
+
+    void bend_light(std::int64_t surface, const ToneCurve& curve) {
+        if (curve.cut) {
+            add(programs::limit_light, {{"surface_number", surface}, {"limit", *curve.cut}});
+        }
+        add(programs::bend_light, {{"surface_number", surface},
+                                   {"knee", curve.knee},
+                                   {"minus_knee", -curve.knee},
+                                   {"bend", curve.bend}});
+        add(programs::limit_light, {{"surface_number", surface}, {"limit", curve.limit}});
     }
 
     const Shading& shading_;

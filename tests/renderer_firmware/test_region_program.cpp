@@ -23,6 +23,34 @@ using namespace pxpl5::test;
 
 namespace {
 
+/// The greatest light of any normal: that of the longest sum of some of the lights.
+double brightest_of(const Shading& s) {
+    double most = 0;
+    for (unsigned some = 0; some < 1U << s.lights.size(); ++some) {
+        V3 sum{0, 0, 0};
+        for (std::size_t i = 0; i < s.lights.size(); ++i) {
+            const V3 l =
+                unit({s.lights[i].direction.x, s.lights[i].direction.y, s.lights[i].direction.z});
+            const double share = (some >> i & 1) != 0 ? s.lights[i].intensity : 0;
+            sum = {sum.x + share * l.x, sum.y + share * l.y, sum.z + share * l.z};
+        }
+        most = std::max(most, std::sqrt(dot(sum, sum)));
+    }
+    return s.ambient + most;
+}
+
+/// The tone curve: straight up to a knee, then a parabola that ends at `limit` with the brightest
+/// light. Beyond twice the limit it is level.
+double bent(double light, double brightest, double limit) {
+    if (brightest <= limit) {
+        return light;
+    }
+    const double end = std::min(brightest, 2 * limit);
+    const double width = std::max(2 * (end - limit), 0.27), knee = end - width;
+    const double above = std::min(light, end) - knee;
+    return above <= 0 ? light : knee + above - (end - limit) * above * above / (width * width);
+}
+
 /// Returns the color by the Phong formula.
 std::array<double, 3> phong(const Shading& s, const Covered& c) {
     const Rgb color = s.surfaces[static_cast<std::size_t>(c.surface - 1)];
@@ -36,7 +64,8 @@ std::array<double, 3> phong(const Shading& s, const Covered& c) {
         gloss += double{lamp.intensity} * s.specular *
                  std::pow(std::max(0.0, dot(n, h)), s.specular_power);
     }
-    light = std::min(light, 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}}));
+    light = bent(light, brightest_of(s),
+                 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}}));
     const auto mixed = [&](std::uint8_t value) {
         return std::min(255.0, value * light + 255 * gloss);
     };
