@@ -34,7 +34,10 @@ Reply run_overlay(Session& session, const Arguments& arguments);
 Reply run_tint(Session& session, const Arguments& arguments);
 Reply run_pick(Session& session, const Arguments& arguments);
 Reply run_histogram(Session& session, const Arguments& arguments);
+/// The gray window of the options `window` and `level`, or the one that slices have without them.
+GrayWindow window_of(Session& session, const Arguments& arguments);
 Reply run_slice(Session& session, const Arguments& arguments);
+Reply run_planes(Session& session, const Arguments& arguments);
 Reply run_oblique(Session& session, const Arguments& arguments);
 Reply run_measure(Session& session, const Arguments& arguments);
 Reply run_why(Session& session, const Arguments& arguments);

@@ -8,6 +8,7 @@ namespace pxpl5::host {
 
 namespace {
 
+constexpr std::array<std::string_view, 1> planes_off = {"off"};
 constexpr Words gaps_off = {"gaps", "off"};
 
 constexpr double min_eyes_mm = 0.001, max_eyes_mm = 100'000;
@@ -64,6 +65,21 @@ std::vector<Command> view_commands() {
           .subject_words = 1,
           .stage = RenderStage::scene},
          run_clip},
+        {{.name = "planes",
+          .help = "Shows slices of the volume beside the surfaces, with their gray values and "
+                  "without light; without options, lists the slices. Each of x, y and z is the "
+                  "number of a slice across this voxel axis, from 0, or off. Cuts apply to slices, "
+                  "too. Where slices of the scan are missing, values are interpolated.",
+          .words = {choice_value("OFF", planes_off, "no slices")},
+          .options = {{"x", "I|off", "slice across x"},
+                      {"y", "I|off", "slice across y"},
+                      {"z", "I|off", "slice across z"},
+                      number_value("window", "W", 1e-12, 1e12, "width of the gray window"),
+                      number_value("level", "L", -1e12, 1e12, "center of the gray window")},
+          .forms = "[off]",
+          .kind = CommandKind::setting,
+          .stage = RenderStage::scene},
+         run_planes},
         {{.name = "size",
           .help = "Sets the size of pictures.",
           .words = {{"SIZE", "WIDTHxHEIGHT", "size in pixels"}},

@@ -300,12 +300,16 @@ namespace {
 
 Fields fields_of(const Session& session, const Frames::Picked& hit) {
     const Pick& pick = hit.pick;
-    Fields fields = {
-        {"surface", hit.surface},
-        {"isovalue", session.meshes.surface(hit.surface).isovalue},
-        {"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}},
-        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}},
-        {"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}}};
+    Fields fields = {{"surface", hit.surface}};
+    if (hit.plane) {
+        fields.push_back({"slice", plane_fields(*hit.plane)});
+    } else {
+        fields.push_back({"isovalue", session.meshes.surface(hit.surface).isovalue});
+    }
+    fields.push_back({"p_mm", std::vector<double>{pick.p_mm.x, pick.p_mm.y, pick.p_mm.z}});
+    fields.push_back(
+        {"p_voxel", std::vector<double>{pick.p_voxel.x, pick.p_voxel.y, pick.p_voxel.z}});
+    fields.push_back({"voxel", std::vector<std::int64_t>{pick.x, pick.y, pick.z}});
     if (pick.value) {
         fields.push_back({"value", *pick.value});
     }
@@ -313,6 +317,11 @@ Fields fields_of(const Session& session, const Frames::Picked& hit) {
         fields.push_back({"value_between", *pick.value_between});
     }
     return fields;
+}
+
+/// "skin" or "slice z 20".
+std::string name_of(const Frames::Picked& hit) {
+    return hit.plane ? "slice " + plane_text(*hit.plane) : hit.surface;
 }
 
 std::vector<Fields> fields_of(const Session& session, const std::vector<Frames::Picked>& hits) {
@@ -342,18 +351,22 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     }
     const Pick& pick = picked->pick;
     Reply reply;
-    reply.text = fmt::format(
-        "{} at {} mm LPS; isovalue {:.7g}, nearest voxel ({}, {}, {}) has {}", picked->surface,
-        place_text(pick.p_mm), session.meshes.surface(picked->surface).isovalue, pick.x, pick.y,
-        pick.z, pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
+    const std::string isovalue =
+        picked->plane
+            ? ""
+            : fmt::format("isovalue {:.7g}, ", session.meshes.surface(picked->surface).isovalue);
+    reply.text =
+        fmt::format("{} at {} mm LPS; {}nearest voxel ({}, {}, {}) has {}", name_of(*picked),
+                    place_text(pick.p_mm), isovalue, pick.x, pick.y, pick.z,
+                    pick.value ? fmt::format("{:.7g}", *pick.value) : "no value known");
     std::string_view where = "in front";  // The hits are sorted, nearest first.
     for (const Frames::Picked& hit : hits) {
-        if (hit.surface == picked->surface) {
+        if (hit.surface == picked->surface && hit.plane == picked->plane) {
             where = "behind";
             continue;
         }
         reply.text +=
-            fmt::format("\n{}: {} at {} mm LPS", where, hit.surface, place_text(hit.pick.p_mm));
+            fmt::format("\n{}: {} at {} mm LPS", where, name_of(hit), place_text(hit.pick.p_mm));
     }
     reply.fields = {{"hit", true}};
     for (Field& field : fields_of(session, *picked)) {
@@ -361,7 +374,13 @@ Reply run_pick(Session& session, const Arguments& arguments) {
     }
     reply.fields.push_back({"hits", fields_of(session, hits)});
     if (arguments.text("part", "no") == "yes") {
-        add_part(session, picked->surface, pick.p_mm, reply);
+        if (picked->plane) {
+            add_warning(reply, fmt::format("a slice has no parts, and {} is at ({}, {}); name the "
+                                           "surface, as in surface=NAME",
+                                           name_of(*picked), x, y));
+        } else {
+            add_part(session, picked->surface, pick.p_mm, reply);
+        }
     }
     // The nearest voxel's value would give a surface that does not pass through the point.
     if (arguments.has("set") && pick.value_between) {

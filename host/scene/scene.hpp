@@ -16,6 +16,7 @@
 #include "host/base/command_line.hpp"
 #include "host/scene/camera.hpp"
 #include "host/scene/stereo.hpp"
+#include "host/volume/volume.hpp"
 
 namespace pxpl5::host {
 
@@ -68,6 +69,13 @@ struct SceneClip {
     friend bool operator==(const SceneClip&, const SceneClip&) = default;
 };
 
+/// A slice of the volume that pictures show beside the surfaces.
+struct ScenePlane {
+    int axis = 2;   ///< Voxel axis: 0 x, 1 y, 2 z.
+    int index = 0;  ///< Voxel along the axis, from 0; z counts slices.
+    friend bool operator==(const ScenePlane&, const ScenePlane&) = default;
+};
+
 /// The detail that surfaces are drawn with.
 struct DetailChoice {
     bool is_auto = false;  ///< Moving pictures are simplified if necessary; all others are exact.
@@ -92,6 +100,8 @@ struct Scene {
     int frame = 1;                    ///< Number of the shown volume in its time series.
     std::vector<Surface> surfaces;    ///< In drawing order.
     std::vector<SceneClip> clips;     ///< Only points on the kept side of all planes are drawn.
+    std::vector<ScenePlane> planes;   ///< Ascending by axis, each axis at most once.
+    GrayWindow planes_window;         ///< The window of all planes.
     bool tint_gaps = false;           ///< Surfaces across missing slices are drawn in `gap_color`.
     Color gap_color{226, 84, 62};
     int samples = 1;  ///< Samples per pixel of a picture, one of sample_counts.

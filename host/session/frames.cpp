@@ -63,8 +63,13 @@ Stage Frames::stage(const Scene& scene) const {
     const bool is_simplified = scene.detail.detail > 0 && simplification_refusal().empty();
     const Subject subject = subject_of(last, held.voxel_to_patient);
     const int detail = is_simplified ? scene.detail.detail : 0;
-    return {scene_.surfaces,         subject, held.voxel_to_patient,
-            !held.gap_slabs.empty(), detail,  cameras_of(scene, subject)};
+    return {scene_.surfaces,
+            subject,
+            held.voxel_to_patient,
+            !held.gap_slabs.empty(),
+            detail,
+            cameras_of(scene, subject),
+            scene.planes};
 }
 
 void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back, Pass pass,
@@ -240,11 +245,19 @@ std::uint64_t Frames::key_of(const Scene& scene) const {
     return digest.value();
 }
 
-std::optional<Pick> Frames::pick_alone(Surface surface, const EyePixel& at) {
-    surface.opacity = full_opacity;
+std::optional<Pick> Frames::pick_alone(std::optional<Surface> surface,
+                                       std::optional<ScenePlane> plane, const EyePixel& at) {
     Stage alone = stage(scene_);
     alone.detail = 0;  // The point is exact.
-    alone.surfaces = {&surface, 1};
+    alone.surfaces = {};
+    if (surface) {
+        surface->opacity = full_opacity;
+        alone.surfaces = {&*surface, 1};
+    }
+    alone.planes = {};
+    if (plane) {
+        alone.planes = {&*plane, 1};
+    }
     alone.has_gaps = false;
     alone.cameras = {alone.cameras.at(static_cast<std::size_t>(at.eye))};
     request(scene_, alone, ReadBack::pixels_and_depths);
@@ -261,9 +274,14 @@ std::vector<Frames::Picked> Frames::hits(int x, int y) {
     std::vector<Picked> found;
     for (const Surface& surface : scene_.surfaces) {
         if (surface.visible && !is_compared(scene_.surfaces, surface)) {
-            if (const std::optional<Pick> hit = pick_alone(surface, at)) {
+            if (const std::optional<Pick> hit = pick_alone(surface, {}, at)) {
                 found.push_back({*hit, surface.name, surface.opacity});
             }
+        }
+    }
+    for (const ScenePlane& plane : scene_.planes) {
+        if (const std::optional<Pick> hit = pick_alone({}, plane, at)) {
+            found.push_back({*hit, "", full_opacity, plane});
         }
     }
     std::ranges::stable_sort(found, {}, [](const Picked& hit) { return hit.pick.depth; });

@@ -130,14 +130,15 @@ class Frames {
 
     struct Picked {
         Pick pick;
-        std::string surface;
-        int opacity = 0;  ///< Sixteenths.
+        std::string surface;  ///< Empty for a point of a slice plane.
+        int opacity = 0;      ///< Sixteenths.
+        std::optional<ScenePlane> plane = {};
         bool is_opaque() const { return opacity == full_opacity; }
     };
-    /// Returns the points of all visible surfaces under the middle of pixel (x, y) from the top
-    /// left, nearest first; of a stereo picture those that the eye of this pixel sees. Draws each
-    /// surface once, alone and opaque, so that the holes of the screen door have no part in the
-    /// answer. Throws RequestError for archives.
+    /// Returns the points of all visible surfaces and slice planes under the middle of pixel (x, y)
+    /// from the top left, nearest first; of a stereo picture those that the eye of this pixel sees.
+    /// Draws each surface once, alone and opaque, so that the holes of the screen door have no part
+    /// in the answer. Throws RequestError for archives.
     std::vector<Picked> hits(int x, int y);
     /// Returns the nearest of `hits` on an opaque surface; without one, the nearest of all; nothing
     /// without hits. `surface`, if not empty, names the only surface that counts.
@@ -188,7 +189,9 @@ class Frames {
     void request_layers(const Scene& scene, Stage part, const SurfaceLayers& layers);
     /// Waits for the two frames in flight.
     Layers take_layers(const SurfaceLayers& layers);
-    std::optional<Pick> pick_alone(Surface surface, const EyePixel& at);
+    /// The point of one surface, or of one slice plane.
+    std::optional<Pick> pick_alone(std::optional<Surface> surface, std::optional<ScenePlane> plane,
+                                   const EyePixel& at);
     bool take_fault(std::uint32_t frame);
     void take_done(const bus::Message& message);
     void finish(Pending frame);

@@ -62,6 +62,7 @@ void Frames::request_layers(const Scene& scene, Stage part, const SurfaceLayers&
     request(scene, part, ReadBack::pixels_and_depths);
     const std::int64_t started_ns = pending_.back().started_ns;
     part.surfaces = {&layers.front, 1};
+    part.planes = {};
     request(scene, part, ReadBack::pixels_and_depths);
     pending_.back().is_front = true;
     pending_.back().started_ns = started_ns;

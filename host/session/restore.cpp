@@ -78,6 +78,8 @@ void restore(Session& session, const Scene& wanted) {
     scene.material = wanted.material;
     scene.background = wanted.background;
     scene.clips = wanted.clips;
+    scene.planes = wanted.planes;
+    scene.planes_window = wanted.planes_window;
     scene.tint_gaps = wanted.tint_gaps;
     scene.gap_color = wanted.gap_color;
 }

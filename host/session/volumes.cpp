@@ -177,7 +177,7 @@ void Volumes::drop() {
 
 std::uint16_t Volumes::new_surface_id() {
     std::uint16_t id = next_surface_id_++;
-    while (std::ranges::count(scene_.surfaces, id, &Surface::id) != 0) {
+    while (id == plane_surface_id || std::ranges::count(scene_.surfaces, id, &Surface::id) != 0) {
         id = next_surface_id_++;
     }
     return id;
@@ -187,6 +187,7 @@ std::uint16_t Volumes::new_surface_id() {
 void Volumes::replace_content() {
     scene_.surfaces.clear();
     scene_.clips.clear();
+    scene_.planes.clear();
     on_replaced_();
     scene_.frame = 1;
     archive_.reset();

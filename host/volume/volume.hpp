@@ -21,7 +21,13 @@ struct Finding {
     friend bool operator==(const Finding&, const Finding&) = default;
 };
 
-/// A window of gray values: values from level - width / 2 (black) to level + width / 2 (white).
+/// Values from level - width / 2 (black) to level + width / 2 (white).
+struct GrayWindow {
+    double width = 1, level = 0;
+    friend bool operator==(const GrayWindow&, const GrayWindow&) = default;
+};
+
+/// A window of gray values that the file names.
 struct NamedWindow {
     std::string name;
     double width = 1, level = 0;

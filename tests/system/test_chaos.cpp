@@ -72,6 +72,8 @@ std::vector<std::string> commands_of(Chance& chance) {
                                            "view 0 0 roll=10",
                                            "clip L 0",
                                            "clip off",
+                                           "planes z=9 x=12",
+                                           "planes off",
                                            "light 1 off",
                                            "background white",
                                            "antialias 4",

@@ -76,6 +76,19 @@ TEST_CASE("a scrubbed region ends as the frame shows it, and is kept until the s
     ball.machine.shutdown();
 }
 
+TEST_CASE("`why` names the slice and the voxel that a pixel shows") {
+    RecordedBall ball(1);
+    Session& session = ball.session;
+    run_command(session, parse_line("remove ball"));
+    run_command(session, parse_line("view superior"));
+    run_command(session, parse_line("planes z=20 window=2 level=0.5"));
+    const std::string text = run_command(session, parse_line("why 140 130")).text;
+    CHECK_MESSAGE(text.find("slice z 20, black at -0.5, white at 1.5") != std::string::npos, text);
+    CHECK_MESSAGE(text.find("of a slice, voxel (") != std::string::npos, text);
+    CHECK_MESSAGE(text.find(", 20) ") != std::string::npos, text);
+    ball.machine.shutdown();
+}
+
 TEST_CASE("questions about a pixel of the right eye are answered from its own frame buffer") {
     RecordedBall ball(2);
     Session& session = ball.session;

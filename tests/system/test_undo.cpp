@@ -44,13 +44,27 @@ struct Desk {
 TEST_CASE("undo and redo go through every picture of a session, back and forth") {
     Desk desk;
     std::vector<std::uint64_t> digests = {desk.digest()};
-    for (const char* line :
-         {"surface skin opacity=0.5", "pick 80 70 set=bone", "surface bone iso=400",
-          "components bone show=largest", "surface bone table=lorensen1987",
-          "surface bone visible=no", "surface bone visible=yes", "clip L",
-          "clip box 9,9,9 100,100,40", "clip box off", "compare bone", "compare bone off",
-          "view 30 10 roll=20 pan=9,-5", "light 1 off", "material ambient=0.4", "background white",
-          "remove skin"}) {
+    for (const char* line : {"surface skin opacity=0.5",
+                             "pick 80 70 set=bone",
+                             "surface bone iso=400",
+                             "components bone show=largest",
+                             "surface bone table=lorensen1987",
+                             "surface bone visible=no",
+                             "surface bone visible=yes",
+                             "clip L",
+                             "clip box 9,9,9 100,100,40",
+                             "clip box off",
+                             "planes x=40 z=20",
+                             "planes y=30 window=300 level=50",
+                             "planes x=off",
+                             "planes off",
+                             "compare bone",
+                             "compare bone off",
+                             "view 30 10 roll=20 pan=9,-5",
+                             "light 1 off",
+                             "material ambient=0.4",
+                             "background white",
+                             "remove skin"}) {
         desk.does("mark");
         desk.does(line);
         digests.push_back(desk.digest());

@@ -62,7 +62,8 @@ End take_end(Session& session, const Arguments& arguments, std::size_t& at,
                         "a surface, or give the place as X,Y,Z in mm",
                         surface.empty() ? "a surface" : surface, pixel.x, pixel.y));
     }
-    return {picked->pick.p_mm, picked->surface};
+    return {picked->pick.p_mm,
+            picked->plane ? "slice " + plane_text(*picked->plane) : picked->surface};
 }
 
 }  // namespace

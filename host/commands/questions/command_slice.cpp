@@ -21,21 +21,13 @@ namespace pxpl5::host {
 
 namespace {
 
-GrayWindow parse_window(Session& session, const Arguments& arguments) {
-    GrayWindow window;
-    if (!arguments.has("window") || !arguments.has("level")) {
-        window = session.series.window();
-    }
-    return {arguments.number("window", window.width), arguments.number("level", window.level)};
-}
-
 /// If the third word names a file, writes the picture to it, and says so.
 void write_slice(Reply& reply, Session& session, const Arguments& arguments, const Slice& slice,
                  const std::vector<SurfaceContour>& contours, const std::string& title) {
     if (arguments.words.size() < 3) {
         return;
     }
-    const GrayWindow window = parse_window(session, arguments);
+    const GrayWindow window = window_of(session, arguments);
     const SlicePicture drawn = slice_picture(
         slice, contours, window, session.scene.size,
         {fmt::format("{}, window {:.6g} level {:.6g}", title, window.width, window.level),
@@ -161,6 +153,14 @@ Slice slice_of_values(const ObliquePlane& plane, const std::vector<float>& value
 }
 
 }  // namespace
+
+GrayWindow window_of(Session& session, const Arguments& arguments) {
+    GrayWindow window;
+    if (!arguments.has("window") || !arguments.has("level")) {
+        window = session.series.window();
+    }
+    return {arguments.number("window", window.width), arguments.number("level", window.level)};
+}
 
 Reply run_slice(Session& session, const Arguments& arguments) {
     const Volume& volume = session.volumes.volume();

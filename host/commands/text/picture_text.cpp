@@ -131,6 +131,16 @@ std::string clips_text(const Scene& scene) {
     return text;
 }
 
+/// "z 20, window 400 level 40"; empty without planes.
+std::string planes_text(const Scene& scene) {
+    std::string text;
+    for (const ScenePlane& plane : scene.planes) {
+        text += plane_text(plane) + ", ";
+    }
+    const auto& [width, level] = scene.planes_window;
+    return text.empty() ? "" : text + fmt::format("window {:.6g} level {:.6g}", width, level);
+}
+
 std::string surface_text(const Surface& surface) {
     std::string text = fmt::format("{}={}", surface.name, surface.isovalue);
     if (surface.opacity < full_opacity) {
@@ -150,6 +160,9 @@ Attributes attributes_of(const Session& session, const Camera& camera) {
     }
     if (!session.scene.clips.empty()) {
         attributes.emplace_back("clips", clips_text(session.scene));
+    }
+    if (!session.scene.planes.empty()) {
+        attributes.emplace_back("slices", planes_text(session.scene));
     }
     if (session.volumes.archive() != nullptr) {
         attributes.emplace_back("scene", session.volumes.archive()->file);
@@ -203,6 +216,9 @@ std::string describe_scene(const Session& session, const Camera& camera,
     if (!scene.clips.empty()) {
         text += "; clip " + clips_text(scene);
     }
+    if (!scene.planes.empty()) {
+        text += "; slices " + planes_text(scene);
+    }
     if (const std::string simplified = simplified_text(session); !simplified.empty()) {
         text += "; " + simplified;
     }
@@ -222,7 +238,7 @@ PictureExtras picture_extras(const Session& session, const Camera& camera, EyesI
         for (Surface& surface : seen.surfaces) {
             surface.visible = surface.visible && !is_compared(session.scene.surfaces, surface);
         }
-        if (seen.surfaces.empty() && session.volumes.archive() == nullptr) {
+        if (seen.surfaces.empty() && seen.planes.empty() && session.volumes.archive() == nullptr) {
             return extras;  // Nothing to explain.
         }
         extras.marks = session.volumes.archive() != nullptr

@@ -131,6 +131,18 @@ void add_clips(const Scene& scene, Lines& lines) {
     }
 }
 
+void add_planes(const Scene& scene, Lines& lines) {
+    if (scene.planes.empty()) {
+        return;
+    }
+    Options options = {{"window", exact(scene.planes_window.width)},
+                       {"level", exact(scene.planes_window.level)}};
+    for (const ScenePlane& plane : scene.planes) {
+        options[std::string(1, "xyz"[plane.axis])] = std::to_string(plane.index);
+    }
+    lines.add("planes", {}, options);
+}
+
 void add_looks(const Scene& scene, Lines& lines) {
     lines.add("light", {"off"});
     int number = 1;
@@ -168,6 +180,7 @@ std::string scene_script(const Session& session) {
                   {{"color", color_word(scene.gap_color)}});
         add_surfaces(scene, lines);
         add_clips(scene, lines);
+        add_planes(scene, lines);
     }
     add_looks(scene, lines);
     return lines.text();

@@ -157,6 +157,14 @@ std::string orientation_letters(const Volume& volume) {
     return letters;
 }
 
+std::string plane_text(const ScenePlane& plane) {
+    return fmt::format("{} {}", "xyz"[plane.axis], plane.index);
+}
+
+Fields plane_fields(const ScenePlane& plane) {
+    return {{"axis", std::string(1, "xyz"[plane.axis])}, {"index", std::int64_t{plane.index}}};
+}
+
 std::array<glm::dvec3, 3> direction_cosines(const Volume& volume) {
     std::array<glm::dvec3, 3> cosines{};
     for (int axis = 0; axis < 3; ++axis) {

@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "host/base/reply.hpp"
+#include "host/scene/scene.hpp"
 #include "host/surface/atlas/histogram.hpp"
 #include "host/volume/volume.hpp"
 
@@ -34,6 +35,10 @@ glm::dvec3 spacing_mm(const Volume& volume);
 /// "(1.00, -2.50, 0.00)", and its numbers. Zeros have no sign.
 std::string place_text(const glm::dvec3& p_mm);
 std::vector<double> place_numbers(const glm::dvec3& p);
+
+/// "z 20": a slice in a picture of surfaces, and the same for programs.
+std::string plane_text(const ScenePlane& plane);
+Fields plane_fields(const ScenePlane& plane);
 
 /// "gantry tilt", "missing slices", ...
 std::string finding_name(FindingKind kind);

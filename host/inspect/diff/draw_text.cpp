@@ -52,6 +52,11 @@ NamedValues values_of(const schema::DrawFrame& draw) {
                                        s.revision(), text_of(s.color()),
                                        s.cull_back() ? "front only" : "both sides", s.detail()));
              });
+    add_each(values, "slice plane", draw.planes(),
+             [&](const std::string& name, const schema::SlicePlane& p) {
+                 add(name, fmt::format("{} {}, black at {}, white at {}", "xyz"[p.axis()],
+                                       p.index(), p.black(), p.white()));
+             });
     add_each(values, "clip plane", draw.clip_planes(),
              [&](const std::string& name, const schema::ClipPlane& p) {
                  add(name, fmt::format("({}, {}, {}, {})", p.a(), p.b(), p.c(), p.d()));

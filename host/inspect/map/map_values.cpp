@@ -55,6 +55,9 @@ std::int64_t case_of(const RegionView& view, std::size_t pixel) {
         throw RequestError(ExitCode::bad_data,
                            primitive->is_of_scene
                                ? "the frame shows an archive, which has no voxel cells and no cases"
+                           : primitive->is_of_slice
+                               ? "the frame shows a slice of the volume, which has no voxel cells "
+                                 "and no cases; hide it: planes off"
                            : primitive->detail > 0
                                ? "the frame is simplified, so that triangles have no voxel cells "
                                  "and no cases; draw it exactly"

@@ -9,10 +9,12 @@
 #include <set>
 #include <utility>
 
+#include "gp_firmware/node/messages.hpp"
 #include "host/base/error.hpp"
 #include "host/inspect/model/part_work.hpp"
 #include "host/inspect/why/replayed_gp.hpp"
 #include "host/timing/counts/runs.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -110,6 +112,7 @@ class WorkReader {
     std::optional<Slabs> slabs_of(const schema::SetSurface& set);
     std::vector<timing::DrawnSlab> drawn_slabs(const schema::DrawFrame& draw) const;
     std::map<std::uint32_t, std::uint64_t> primitives_of(const schema::SurfaceDraw& surface) const;
+    std::map<std::uint32_t, std::uint64_t> primitives_of(const gp::SlicePlane& plane) const;
     std::string why_not(const RecordedFrame& frame,
                         const std::vector<timing::DrawnSlab>& drawn) const;
     void miss(std::string sentence) { work_.missing.push_back(std::move(sentence)); }
@@ -249,10 +252,24 @@ std::map<std::uint32_t, std::uint64_t> WorkReader::primitives_of(
     return primitives;
 }
 
+std::map<std::uint32_t, std::uint64_t> WorkReader::primitives_of(
+    const gp::SlicePlane& plane) const {
+    std::map<std::uint32_t, std::uint64_t> primitives;
+    for (int slab = 0; volume_ && slab < volume_->shape().slab_count(); ++slab) {
+        if (const std::uint32_t count = plane_triangles(plane, volume_->shape(), slab); count > 0) {
+            primitives[static_cast<std::uint32_t>(slab)] = count;
+        }
+    }
+    return primitives;
+}
+
 std::vector<timing::DrawnSlab> WorkReader::drawn_slabs(const schema::DrawFrame& draw) const {
     std::vector<timing::DrawnSlab> drawn;
     for (std::uint32_t index = 0; index < draw.surfaces()->size(); ++index) {
-        for (const auto& [slab, primitives] : primitives_of(*draw.surfaces()->Get(index))) {
+        const auto* plane = bus::plane_at(draw, index);
+        for (const auto& [slab, primitives] : plane != nullptr
+                                                  ? primitives_of(gp::slice_plane_of(*plane))
+                                                  : primitives_of(*draw.surfaces()->Get(index))) {
             drawn.push_back({index, slab, primitives * draw.views()->size()});
         }
     }

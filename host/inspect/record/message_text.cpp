@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "host/base/answer.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
@@ -102,8 +103,10 @@ std::string text(const schema::MeshPart& m) {
                        counted(m.slabs()->size(), m.detail() == 0 ? "slab" : "block"));
 }
 std::string text(const schema::DrawFrame& m) {
-    return fmt::format("frame {}: {} x {}, {}, {}, {}{}", m.frame(), m.width(), m.height(),
-                       counted(m.views()->size(), "view"), counted(m.surfaces()->size(), "surface"),
+    const std::size_t planes = bus::plane_count(m);
+    return fmt::format("frame {}: {} x {}, {}, {}{}, {}{}", m.frame(), m.width(), m.height(),
+                       counted(m.views()->size(), "view"), counted(bus::first_plane(m), "surface"),
+                       planes == 0 ? "" : ", " + counted(planes, "slice plane"),
                        counted(m.lights()->size(), "light"),
                        m.samples() == 1
                            ? std::string()

@@ -6,6 +6,7 @@
 #include <cassert>
 
 #include "host/base/error.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -50,18 +51,22 @@ void add_primitives(const RecordedFrame& frame, const RecordedRegion& region, st
     const auto& surfaces = *frame.draw().surfaces();
     const int detail =
         segment.surface < surfaces.size() ? surfaces.Get(segment.surface)->detail() : 0;
+    const bool is_of_slice = bus::plane_at(frame.draw(), segment.surface) != nullptr;
     for (std::size_t at = 0; at < segment.words.size();
          at += isa::instruction_words(segment.words[at])) {
         if (segment.words[at] != primitive_word) {
             continue;
         }
-        Primitive primitive{part, primitives.size(), at, 0, std::nullopt, false, detail};
+        Primitive primitive{part,  primitives.size(), at,    0, std::nullopt,
+                            false, is_of_slice,       detail};
         if (origins != nullptr && origin < origins->size()) {
             const schema::Origin& from = *origins->Get(static_cast<std::uint32_t>(origin++));
             const bool has_cell = from.inside() != 0;  // No cell without a corner inside is cut.
-            primitive.is_of_scene = !has_cell && detail == 0;
+            primitive.is_of_scene = !has_cell && !is_of_slice && detail == 0;
             if (has_cell) {
                 primitive.origin = from;
+            } else if (is_of_slice) {
+                primitive.square = from;
             }
         }
         primitives.push_back(primitive);

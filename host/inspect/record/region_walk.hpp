@@ -45,7 +45,10 @@ struct Primitive {
     std::size_t first_word = 0, word_count = 0;  ///< Within the part.
     std::optional<bus::schema::Origin> origin;   ///< If it was recorded and there is a cell.
     bool is_of_scene = false;  ///< True for a primitive of an archive: it has no voxel cell.
+    bool is_of_slice = false;  ///< True for a triangle of a slice plane: the same.
     int detail = 0;            ///< Above 0 for a simplified triangle: it has no voxel cell either.
+    std::optional<bus::schema::Origin>
+        square{};  ///< First voxel of a slice's triangle, if recorded.
     Address address() const { return {part, first_word}; }
 };
 

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "host/inspect/record/message_text.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 #include "ringbus/trace/trace_info.hpp"
 
 namespace pxpl5::host::inspect {
@@ -61,7 +62,7 @@ struct Gatherer {
         frame.width = draw.width();
         frame.height = draw.height();
         frame.views = draw.views()->size();
-        frame.surfaces = draw.surfaces()->size();
+        frame.surfaces = bus::first_plane(draw);
         frame.regions = begin.assignment()->size();
         Inputs& in = inputs[draw.frame()];
         in.assignment.assign(begin.assignment()->begin(), begin.assignment()->end());

@@ -10,6 +10,7 @@
 #include "gp_firmware/render/draw_slab.hpp"
 #include "gp_firmware/surface/marching_cubes.hpp"
 #include "gp_firmware/volume/slice_store.hpp"
+#include "ringbus/rules/slice_planes.hpp"
 
 namespace pxpl5::host::inspect {
 
@@ -85,6 +86,10 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.detail = drawn->detail();
         s.slabs = drawn->slabs();
         s.opacity = drawn->opacity();
+        if (const auto* plane = bus::plane_at(frame.draw(), s.index)) {
+            s.plane = gp::slice_plane_of(*plane);
+            continue;
+        }
         if (const auto message = run.surface(s.id, s.revision)) {
             const auto& set = *message->as<schema::SetSurface>();
             s.isovalue = set.isovalue();
@@ -126,6 +131,10 @@ ReplayedGp::ReplayedGp(const RecordedFrame& frame, const std::vector<ShownSurfac
 }
 
 std::string ReplayedGp::missing(std::uint32_t surface, int k) {
+    if (surfaces_.at(surface).plane) {
+        return fmt::format("surface {} is a slice of the volume, which has no voxel cells",
+                           surface);
+    }
     if (!surfaces_.at(surface).isovalue) {
         return fmt::format("no trace holds the SetSurface of surface {} (id {}, revision {})",
                            surface, surfaces_.at(surface).id, surfaces_.at(surface).revision);

@@ -25,11 +25,12 @@ struct ShownSurface {
     std::uint32_t revision = 0;
     std::array<std::uint8_t, 3> color{};  ///< Red, green, blue.
     bool cull_back = false;
-    int detail = 0;                  ///< Above 0: simplified.
-    SlabChoice slabs{};              ///< Which of them the frame draws.
-    std::uint32_t opacity = 0;       ///< Sixteenths.
-    std::optional<double> isovalue;  ///< Nothing if its SetSurface is not recorded.
-    CaseRule rule{};                 ///< If the isovalue is known.
+    int detail = 0;                       ///< Above 0: simplified.
+    SlabChoice slabs{};                   ///< Which of them the frame draws.
+    std::uint32_t opacity = 0;            ///< Sixteenths.
+    std::optional<double> isovalue;       ///< Nothing if its SetSurface is not recorded.
+    CaseRule rule{};                      ///< If the isovalue is known.
+    std::optional<gp::SlicePlane> plane;  ///< Set for a slice of the volume; then no isovalue.
     /// By slab, which of its triangles a mask hides, as of MaskSurface.
     std::map<int, std::vector<std::uint8_t>> hidden;
 };

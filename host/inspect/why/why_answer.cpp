@@ -129,6 +129,12 @@ Answer answer_of(const ShownSurface& s) {
         .data("cull_back", s.cull_back)
         .data("opacity", s.opacity)
         .data_if("isovalue", s.isovalue);
+    if (s.plane) {
+        answer.data("slice", Fields{{"axis", std::string(1, "xyz"[s.plane->axis])},
+                                    {"index", std::int64_t{s.plane->index}},
+                                    {"black", s.plane->black},
+                                    {"white", s.plane->white}});
+    }
     return s.isovalue ? answer.data("table", gp::case_table(s.rule).name) : answer;
 }
 
@@ -147,9 +153,13 @@ std::string place_text(const WhyFinding& f, const PrimitiveFacts& shown) {
         text += fmt::format(
             "surface          {} in drawing order, id {}, revision {}, color #{:02x}{:02x}{:02x}",
             s.index, s.id, s.revision, s.color[0], s.color[1], s.color[2]);
-        text += s.isovalue ? fmt::format(", isovalue {:g}, table {}\n", *s.isovalue,
-                                         gp::case_table(s.rule).name)
-                           : "\n";
+        text += s.plane ? fmt::format(
+                              ", slice {} {}, black at {:g}, white at {:g}; its normals are gray "
+                              "values\n",
+                              "xyz"[s.plane->axis], s.plane->index, s.plane->black, s.plane->white)
+                : s.isovalue ? fmt::format(", isovalue {:g}, table {}\n", *s.isovalue,
+                                           gp::case_table(s.rule).name)
+                             : "\n";
     }
     text += fmt::format("sent by          gp-{}, RegionPrograms sequence {}, clock {}, word {}\n",
                         shown.gp, shown.sequence, shown.clock, shown.gp_word);
@@ -202,16 +212,32 @@ std::string result_of(const PixelHistory& history, const PixelVisit& visit) {
                              triple_text(visit.before.normal), triple_text(visit.after.normal));
 }
 
+/// The first voxel of the square that a slice's triangle shows.
+std::string square_text(const PrimitiveFacts& facts, const ShownSurface& surface,
+                        const bus::schema::Origin& square) {
+    const int k = surface.plane->axis == 2 ? surface.plane->index : static_cast<int>(facts.slab);
+    return fmt::format("of a slice, voxel ({}, {}, {})", square.i(), square.j(), k);
+}
+
+std::string kind_without_cell(const WhyFinding& f, const PrimitiveFacts& facts,
+                              const Primitive& primitive) {
+    if (primitive.is_of_slice) {
+        return primitive.square && facts.surface < f.surfaces.size()
+                   ? square_text(facts, f.surfaces[facts.surface], *primitive.square)
+                   : "of a slice";
+    }
+    return primitive.is_of_scene  ? "of an archive"
+           : primitive.detail > 0 ? "simplified, of no cell"
+                                  : "provenance not recorded";
+}
+
 Answer visit_of(const WhyFinding& f, std::size_t v) {
     const PixelVisit& visit = f.history.visits[v];
     const PrimitiveFacts& facts = f.facts[v];
     const Primitive& primitive = f.history.primitives[visit.primitive];
-    const std::string what = facts.cell
-                                 ? to_text(facts.cell->name)
-                                 : fmt::format("primitive {}, {}", visit.primitive,
-                                               primitive.is_of_scene  ? "of an archive"
-                                               : primitive.detail > 0 ? "simplified, of no cell"
-                                                                      : "provenance not recorded");
+    const std::string what = facts.cell ? to_text(facts.cell->name)
+                                        : fmt::format("primitive {}, {}", visit.primitive,
+                                                      kind_without_cell(f, facts, primitive));
     Answer answer;
     answer
         .line(fmt::format("  {:<34} {:<38} depth {:>8}  {}", facts.address, what,

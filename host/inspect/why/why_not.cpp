@@ -112,6 +112,10 @@ std::string streams_missing(const PixelInquiry& inquiry, std::uint32_t surface) 
                 return fmt::format("surface {} belongs to an archive, which has no voxel cells",
                                    surface);
             }
+            if (p.is_of_slice) {
+                return fmt::format("surface {} is a slice of the volume, which has no voxel cells",
+                                   surface);
+            }
             if (p.detail > 0) {
                 return fmt::format(
                     "surface {} is simplified in this frame (detail {}), so that "

@@ -29,6 +29,7 @@ bool has_surface(const Scene& scene, const std::string& name) {
 bool same_parameters(const Scene& a, const Scene& b) {
     return a.frame == b.frame && a.camera == b.camera && a.lights == b.lights &&
            a.material == b.material && a.background == b.background && a.clips == b.clips &&
+           a.planes == b.planes && (a.planes.empty() || a.planes_window == b.planes_window) &&
            a.tint_gaps == b.tint_gaps && a.gap_color == b.gap_color &&
            std::ranges::equal(a.surfaces, b.surfaces, [](const Surface& p, const Surface& q) {
                return same_parameters(p, q);

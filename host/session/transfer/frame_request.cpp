@@ -72,6 +72,11 @@ std::unique_ptr<schema::ViewT> view_of(const CameraMatrices& camera, const Scene
     return view;
 }
 
+/// The entry of a slice plane in the list of surfaces: no surface of the scene has its id.
+schema::SurfaceDraw plane_entry() {
+    return {plane_surface_id, 0, schema::Rgb(), false, SlabChoice::all, full_opacity, 0};
+}
+
 }  // namespace
 
 std::vector<CameraMatrices> cameras_of(const Scene& scene, const Subject& subject) {
@@ -128,6 +133,13 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
         draw.surfaces.push_back(schema::SurfaceDraw(
             surface.id, surface.revision, to_wire(drawn.color), surface.cull_back, drawn.slabs,
             static_cast<std::uint8_t>(surface.opacity), static_cast<std::uint8_t>(stage.detail)));
+    }
+    for (const ScenePlane& plane : stage.planes) {
+        const auto& [width, level] = scene.planes_window;
+        draw.surfaces.push_back(plane_entry());
+        draw.planes.emplace_back(static_cast<std::uint8_t>(plane.axis),
+                                 static_cast<std::uint32_t>(plane.index), level - width / 2,
+                                 level + width / 2);
     }
     for (const SceneClip& clip : scene.clips) {
         const glm::vec4 plane(grid_plane(clip.plane, stage.voxel_to_patient));

@@ -18,6 +18,7 @@ struct Stage {
     bool has_gaps = false;             ///< Some slabs lie across missing slices.
     int detail = 0;                    ///< Detail of all surfaces; 0: exact, else see SurfaceDraw.
     std::vector<CameraMatrices> cameras = {};  ///< One, or those of the left and the right eye.
+    std::span<const ScenePlane> planes = {};
 };
 
 /// One entry of a frame's list of surfaces; a pixel's surface field is its index + 1.
@@ -28,7 +29,7 @@ struct DrawnSurface {
 };
 
 /// The surfaces of a frame: visible surfaces in drawing order, with tinted slabs across gaps as
-/// surfaces of their own.
+/// surfaces of their own. The frame's list goes on with the stage's slice planes.
 std::vector<DrawnSurface> drawn_surfaces(const Scene& scene, const Stage& stage);
 
 /// The matrices of a picture of the scene: of the left and the right eye, or of one camera.

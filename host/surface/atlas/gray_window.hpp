@@ -7,11 +7,6 @@
 
 namespace pxpl5::host {
 
-/// Values from level - width / 2 (black) to level + width / 2 (white).
-struct GrayWindow {
-    double width = 1, level = 0;
-};
-
 /// The window that the file or the kind of scan gives: standardized uptake values from 0 to 10,
 /// else the file's preferred window, else soft tissue for values that are Hounsfield units, as the
 /// file states or air and bone suggest. Nothing for other scans. The viewer's `firstWindow` has the

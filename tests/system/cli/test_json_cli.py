@@ -29,7 +29,8 @@ slice z 3 slab=4 kind=mean; slice z 3 {{}}/slice.png; oblique 30 10 {{}}/o.png; 
 components s
 components s show=largest; certificate; compare s; compare s off; export {{}}/s.stl keep=0.5
 view 20 30 pan=1,2; light 1 20 30; light three-point; light
-light two-point; clip L; clip off; material power=20; background red
+light two-point; clip L; clip off; planes z=3; pick 32 32; why 32 32; planes off
+material power=20; background red
 tint gaps; antialias 1; detail auto
 stereo sbs; stereo off; overlay on
 pick 32 32 set=t; pick 0 0; measure 30 32 34 32; why 32 32; snapshot {{}}/s.png

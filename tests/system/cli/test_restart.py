@@ -17,7 +17,8 @@ ARCHIVE = pathlib.Path(__file__).resolve().parents[3] / "host/phigs/archives/mol
 LIMIT_S = 120
 TWO_OF_EACH = ("--set", "gp.count=2", "--set", "renderer.count=2")
 SCENE = ("load phantom:pelvis", "surface skin iso=-300 opacity=0.5", "surface bone iso=250",
-         "components bone show=largest", "view 30 20 zoom=1.5", "clip L 10", "light 1 off",
+         "components bone show=largest", "view 30 20 zoom=1.5", "clip L 10", "planes z=20 y=60",
+         "light 1 off",
          "background white", "size 200x160", "antialias 4")
 ROLES = {"gp": "pxpl5-gp", "renderer": "pxpl5-renderer", "frame_buffer": "pxpl5-framebuff"}
 

@@ -54,6 +54,9 @@ class Dice(random.Random):
             f"view {self.choice(VIEWS)} zoom={number(0.7, 2)}",
             f"clip {self.choice('LRPASI')} {number(-20, 20)}", f"clip {self.choice('LRPASI')}",
             "clip box 5,5,5 40,30.5,20", "clip off",
+            f"planes {self.choice('xyz')}={self.randrange(0, 40)} window={number(10, 900)}",
+            f"planes {self.choice('xyz')}={self.randrange(0, 20)}",
+            f"planes {self.choice('xyz')}=off", "planes off",
             f"light 1 {number(-90, 90)} {number(-80, 80)} intensity={number(0, 2)}",
             f"light 3 {number(-90, 90)} {number(-80, 80)}", "light 1 off",
             f"material ambient={number(0, 1)} specular={number(0, 1)} power={self.randrange(1, 9)}",
@@ -80,7 +83,8 @@ class Dice(random.Random):
         for _ in range(self.randrange(3, 14)):
             lines.append(self.choice(self.changes(names, ISOVALUES[volume])))
         questions = ["digest"] + [f"measure {self.pixel()} {self.pixel()}" for _ in range(3)]
-        questions += [f"pick {self.pixel()}", "clip", "light", "view", "material"]
+        questions += [f"pick {self.pixel()}", "clip", "planes", "light", "view",
+                      "material"]
         questions += [f"surface {name}" for name in names]
         window = f"window={self.number(10, 900)} level={self.number(-500, 900)}"
         pictures = ["snapshot {}.png", f"slice {self.choice('xyz')} 20 {{}}-slice.png {window}"]
