@@ -129,6 +129,11 @@ void add_looks(const Scene& scene, State& state) {
         const glm::dvec4& plane = clip.plane;
         state.clips.push_back({clip.words, {plane.x, plane.y, plane.z, plane.w}});
     }
+    for (const ScenePlane& plane : scene.planes) {
+        state.planes.push_back({std::string(1, "xyz"[plane.axis]), plane.index});
+    }
+    state.planes_window = scene.planes_window.width;
+    state.planes_level = scene.planes_window.level;
     state.tint_gaps = scene.tint_gaps;
     state.overlay = scene.overlay;
     state.detail = detail_word(scene.detail);

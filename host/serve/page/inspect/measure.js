@@ -216,7 +216,11 @@ class MeasurePanel {
       return;
     }
     if (isPart) {
-      this.addPart(result);
+      if (result.slice) {
+        this.message.fail(say`There is a slice in front. Hide it, or click a part of a surface.`);
+      } else {
+        this.addPart(result);
+      }
       return;
     }
     try {

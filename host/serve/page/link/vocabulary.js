@@ -30,6 +30,8 @@ export const LIMITS = Object.freeze({
   max_picture_px: 8192,
   max_views: 2,
   max_clip_planes: 16,
+  max_slice_planes: 3,
+  plane_surface_id: 65535,
   max_scene_slab: 1048576,
   max_scene_mm: 1e+06,
   max_archive_structures: 65536,
@@ -202,6 +204,13 @@ export function readAnswerHeader(view) {
  */
 
 /**
+ * A slice in the picture, across a voxel axis: x, y or z.
+ * @typedef {object} PlaneState
+ * @property {string} axis
+ * @property {number} index
+ */
+
+/**
  * Angles are relative to the viewer.
  * @typedef {object} LightState
  * @property {number} azimuth_deg
@@ -252,6 +261,9 @@ export function readAnswerHeader(view) {
  * @property {MaterialState} material
  * @property {string} background  #rrggbb
  * @property {ClipState[]} clips
+ * @property {PlaneState[]} planes
+ * @property {number} planes_window  width of the gray window of all planes
+ * @property {number} planes_level
  * @property {boolean} tint_gaps
  * @property {boolean} overlay
  * @property {string} detail  exact, auto, 1, 2 or 3, as `detail` takes it

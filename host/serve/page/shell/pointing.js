@@ -1,10 +1,17 @@
 // A click on the picture: passes it to the current mode, or moves the crosshair of all views.
 import {byId, h} from '../elements/dom.js';
 import {grouped, short} from '../elements/numbers.js';
+import {planesOf} from '../slices/slice_planes.js';
+import {placeText} from '../slices/slice_words.js';
 import {say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
-/** @typedef {{surface: string}} Hit */
+/**
+ * A point under a pixel.
+ * @typedef {object} Hit
+ * @property {string} surface                        Empty for a point of a slice.
+ * @property {{axis: string, index: number}} [slice]
+ */
 
 const DOUBLE_CLICK_MS = 300;  // A click waits this long for a second click.
 
@@ -58,20 +65,35 @@ async function point(app, {x, y}, words) {
     words.hidden = true;
     return;
   }
-  const {surface, isovalue, p_mm, value} = reply.result;
+  const {surface, slice, isovalue, p_mm, value} = reply.result;
   /** @type {Hit[]} */
   const hits = reply.result.hits;
-  const chosen = hits.findIndex(hit => hit.surface === surface);
-  const others = hits.filter(hit => hit.surface !== surface).map(hit =>
-    hits.indexOf(hit) < chosen ? say`in front: ${hit.surface}` : say`behind: ${hit.surface}`);
-  const unit = app.store.state?.volume?.unit ?? '';
-  words.replaceChildren(h('strong', {}, surface),
-    ` ${say`isovalue ${`${short(isovalue, 3)}${unit && ` ${unit}`}`}`}`,
+  const volume = app.store.state?.volume ?? null;
+  const title = titleOf({surface, slice}, volume);
+  const names = hits.map(hit => titleOf(hit, volume)), chosen = names.indexOf(title);
+  const others = names.filter(name => name !== title).map(name =>
+    names.indexOf(name) < chosen ? say`in front: ${name}` : say`behind: ${name}`);
+  const unit = volume?.unit ?? '';
+  words.replaceChildren(h('strong', {}, title),
+    isovalue === undefined ? ''
+      : ` ${say`isovalue ${`${short(isovalue, 3)}${unit && ` ${unit}`}`}`}`,
     value === undefined ? '' : `, ${say`nearest voxel ${short(value, 3)}`}`,
     h('span', {class: 'muted'}, ` ${say`at ${sides(p_mm)}`}`),
     ...others.map(other => h('span', {class: 'muted'}, ` · ${other}`)));
   words.hidden = false;
   document.dispatchEvent(new CustomEvent('place', {detail: {p_mm, from: 'picture'}}));
+}
+
+/**
+ * A surface's name, or "Axial slice 3 of 48".
+ * @param {Hit} hit
+ * @param {import('../link/vocabulary.js').VolumeState | null} volume
+ */
+function titleOf({surface, slice}, volume) {
+  const axis = slice ? 'xyz'.indexOf(slice.axis) : -1;
+  const plane = volume && planesOf(volume.voxel_to_patient).find(({number}) => number === axis);
+  return slice && volume && plane
+    ? placeText(plane.plane, slice.index + 1, volume.size[axis]) : surface;
 }
 
 /**

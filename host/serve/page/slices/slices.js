@@ -2,6 +2,7 @@
 import {h} from '../elements/dom.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {say} from '../texts/say.js';
+import {SlicesInPicture} from './in_picture.js';
 import {ObliquePane} from './oblique_pane.js';
 import {nearestVoxel, toPatient, toVoxel} from './patient_grid.js';
 import {cutsOf} from './slice_cuts.js';
@@ -62,6 +63,8 @@ export class SlicesPanel {
     this.readout = new SliceReadout();
     this.notes = h('p', {class: 'legend', 'data-testid': 'slices-notes'});
     this.beyond = h('p', {class: 'legend', 'data-testid': 'slices-beyond'});
+    this.inPicture = new SlicesInPicture(app, PLANES, () => this.volume && {planes: this.planes,
+      voxel: this.voxel, through: this.window.through});
     this.panes = PLANES.map((_, number) => this.pane(number));
     this.oblique = new ObliquePane(app.connection,
       new SliceView('Oblique', eventsOf(this, PLANES.length)), {changed: () => this.cut(),
@@ -75,8 +78,10 @@ export class SlicesPanel {
       'data-testid': 'slices-surface', onchange: () => app.selection.choose(this.target.value)});
     /** @type {import('./slice_input.js').Tool}  The chosen tool. A mode may replace it. */
     this.tool = 'point';
-    this.window = new WindowControls(through =>
-      this.views().forEach(view => view.repaint(through)));
+    this.window = new WindowControls(through => {
+      this.views().forEach(view => view.repaint(through));
+      this.inPicture.follow();
+    });
     this.slabs = new SlabControls(PLANES, () => this.refresh());
     this.settings = new SliceSettings(look => this.look(look), by => this.zoom(by),
       [this.slabs.element, this.window.more]);
@@ -180,7 +185,8 @@ export class SlicesPanel {
     const enlarge = h('button', {type: 'button', class: 'quiet', title: say`Enlarge this slice`,
       onclick: () => this.place?.enlarge(number)}, planeWord(PLANES[number]));
     const element = h('div', {class: number === 0 ? 'slice-pane large' : 'slice-pane'},
-      h('div', {class: 'slice-head'}, enlarge, count), view.canvas, slider);
+      h('div', {class: 'slice-head'}, enlarge, count, this.inPicture.buttons[number]),
+      view.canvas, slider);
     return {view, source, element, slider, count};
   }
 
@@ -253,9 +259,10 @@ export class SlicesPanel {
       return;
     }
     this.planes = planesOf(volume.voxel_to_patient);
-    this.window.open(volume, same);
-    this.move(same ? this.voxel
-      : /** @type {Vector} */ (volume.size.map(count => Math.floor(count / 2))));
+    this.inPicture.whileOpening(() => {
+      this.window.open(volume, same);
+      this.move(same ? this.voxel : this.inPicture.firstVoxel(volume, this.window));
+    });
   }
 
   /**
@@ -304,6 +311,7 @@ export class SlicesPanel {
     this.voxel = voxel;
     this.panes.forEach(({view}) => view.setCrosshair(voxel));
     this.oblique.move(voxel);
+    this.inPicture.follow();
     this.tellValue();
     this.refresh();
   }

@@ -44,7 +44,7 @@ export async function findPixel({picture, store, connection}) {
   for (const {x, y} of candidates(image, ground).slice(0, MOST_ASKED)) {
     const pixel = picture.pixelOf({x: (x + 0.5) / image.width, y: (y + 0.5) / image.height});
     const reply = await connection.do(`pick ${pixel.x} ${pixel.y}`, {quiet: true});
-    if (reply.ok && reply.result?.hit) {
+    if (reply.ok && reply.result?.hit && !reply.result.slice) {
       return pixel;
     }
   }

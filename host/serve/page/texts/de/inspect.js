@@ -41,6 +41,7 @@ export default {
   'Distances, angles, paths, volumes of parts, and notes on surfaces. Slices measure, too.': 'Strecken, Winkel, Pfade, Volumen von Teilen und Notizen auf Oberflächen. Auch die Schichten messen.',
   '{0} more were left out.': '{0} weitere wurden ausgelassen.',
   'Measuring the part …': 'Der Teil wird gemessen …',
+  'There is a slice in front. Hide it, or click a part of a surface.': 'Dort ist eine Schicht davor. Blenden Sie sie aus, oder klicken Sie einen Teil einer Oberfläche an.',
   'There is no surface. Click a point on a surface.': 'Dort ist keine Oberfläche. Einen Punkt auf einer Oberfläche anklicken.',
   'Click the next point, or press Enter.': 'Nächsten Punkt anklicken oder Eingabetaste drücken.',
   'A view-only page measures in slices alone.': 'Eine Seite nur zum Ansehen misst nur in Schichten.',

@@ -32,6 +32,8 @@ export default {
   'at the crosshair, voxel {0}': 'am Fadenkreuz, Voxel {0}',
   'interpolated, near voxel {0}': 'interpoliert, nahe Voxel {0}',
   'it is {0}, but {1} numbers are needed.': 'es ist {0}, aber {1} Zahlen sind nötig.',
+  'The picture shows this slice, too': 'Das Bild zeigt auch diese Schicht',
+  '{0} in the picture': '{0} im Bild',
   'thick': 'dick',
   'thin': 'dünn',
   'filled': 'gefüllt',
