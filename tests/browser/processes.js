@@ -1,5 +1,5 @@
 // Resources of a process and its children, from /proc.
-import { readFileSync, readdirSync } from 'node:fs';
+import { readFileSync, readdirSync, readlinkSync } from 'node:fs';
 
 const TICKS_PER_S = 100;  // Of /proc/PID/stat on Linux, whatever the kernel's own rate.
 
@@ -52,8 +52,25 @@ export function memoryMib(pids) {
   return sizeMib(pids, /^Pss:\s+(\d+)/mg);
 }
 
+/** How many descriptors a process has of each kind: "socket", "/memfd:pxpl", "pipe", ... */
+function descriptorKinds(pid) {
+  const kinds = new Map();
+  for (const name of readdirSync(`/proc/${pid}/fd`)) {
+    let target = 'closed meanwhile';
+    try {
+      target = readlinkSync(`/proc/${pid}/fd/${name}`);
+    } catch (error) {
+      if (error.code !== 'ENOENT') throw error;
+    }
+    const kind = target.replace(/[:\d[\]()]+.*$/, '');
+    kinds.set(kind, (kinds.get(kind) ?? 0) + 1);
+  }
+  return kinds;
+}
+
 /**
- * What each process holds: its program, its memory in MiB, and how many descriptors and threads.
+ * What each process holds: its program, its memory in MiB, and how many descriptors (also by kind)
+ * and threads.
  * The memory is without the pages of files: a process has a larger share of its libraries as soon
  * as another program that uses them ends.
  * @param {number[]} pids
@@ -63,14 +80,15 @@ export function holdings(pids) {
   for (const pid of pids) {
     const status = read(`/proc/${pid}/status`);
     if (!status) continue;
-    let descriptors = 0;
+    let kinds = null;
     try {
-      descriptors = readdirSync(`/proc/${pid}/fd`).length;
+      kinds = descriptorKinds(pid);
     } catch (error) {
       if (error.code !== 'ENOENT' && error.code !== 'ESRCH') throw error;
       continue;
     }
-    found.set(pid, { name: /^Name:\s+(.*)/m.exec(status)[1], descriptors,
+    const descriptors = [...kinds.values()].reduce((sum, each) => sum + each, 0);
+    found.set(pid, { name: /^Name:\s+(.*)/m.exec(status)[1], descriptors, kinds,
                   mib: sizeMib([pid], /^Pss_(?:Anon|Shmem):\s+(\d+)/mg),
                   threads: Number(/^Threads:\s+(\d+)/m.exec(status)[1]) });
   }
