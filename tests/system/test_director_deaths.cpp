@@ -90,6 +90,7 @@ TEST_CASE("the whole scene is put back after a death") {
                                             "material ambient=0.3",
                                             "background white",
                                             "clip L 1",
+                                            "planes z=9 x=4 window=3 level=1",
                                             "tint gaps",
                                             "size 96x80",
                                             "antialias 4",
@@ -110,8 +111,8 @@ TEST_CASE("the whole scene is put back after a death") {
     const Scene& after = stage.director.session().scene;
     CHECK(same_parameters(before, after));
     // Does not compile when Scene has a member that this test does not know of.
-    const auto& [camera, lights, material, background, size, part, frame, surfaces, clips,
-                 tint_gaps, gap_color, samples, detail, stereo, overlay] = after;
+    const auto& [camera, lights, material, background, size, part, frame, surfaces, clips, planes,
+                 planes_window, tint_gaps, gap_color, samples, detail, stereo, overlay] = after;
     CHECK(camera == before.camera);
     CHECK(lights == before.lights);
     CHECK(material == before.material);
@@ -121,6 +122,8 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK(frame == before.frame);
     CHECK(surfaces.size() == before.surfaces.size());
     CHECK(clips == before.clips);
+    CHECK(planes == before.planes);
+    CHECK(planes_window == before.planes_window);
     CHECK(tint_gaps == before.tint_gaps);
     CHECK(gap_color == before.gap_color);
     CHECK(samples == before.samples);
