@@ -20,9 +20,13 @@ namespace {
 
 constexpr double black = -160, white = 240;  // A window of 400 around 40.
 
-/// The value of a plane at p, as its triangles interpolate it: each square of voxels has two, which
-/// share the diagonal from its first corner.
-double plane_value(const Volume& volume, const glm::dvec3& p, int axis) {
+double gray_of(double value) {
+    return 255 * std::clamp((value - black) / (white - black), 0.0, 1.0);
+}
+
+/// The gray value of a plane at p, as its triangles interpolate those of the voxels: each square of
+/// voxels has two, which share the diagonal from its first corner.
+double plane_gray(const Volume& volume, const glm::dvec3& p, int axis) {
     const int across = axis == 0 ? 1 : 0, down = axis == 2 ? 1 : 2;
     glm::ivec3 first(0);
     first[axis] = static_cast<int>(std::lround(p[axis]));
@@ -31,20 +35,15 @@ double plane_value(const Volume& volume, const glm::dvec3& p, int axis) {
         first[side] = std::clamp(static_cast<int>(std::floor(p[side])), 0, size[side] - 2);
     }
     const double u = p[across] - first[across], v = p[down] - first[down];
-    const auto value = [&](int du, int dv) {
+    const auto voxel = [&](int du, int dv) {
         glm::ivec3 at = first;
         at[across] += du;
         at[down] += dv;
-        return voxel_value(volume, at.x, at.y, at.z);
+        return gray_of(voxel_value(volume, at.x, at.y, at.z));
     };
-    const double corner = u >= v ? value(1, 0) : value(0, 1);
-    return u >= v ? value(0, 0) + u * (corner - value(0, 0)) + v * (value(1, 1) - corner)
-                  : value(0, 0) + v * (corner - value(0, 0)) + u * (value(1, 1) - corner);
-}
-
-int gray_of(double value) {
-    return static_cast<int>(
-        std::floor(255 * std::clamp((value - black) / (white - black), 0.0, 1.0) + 0.5));
+    const double origin = voxel(0, 0), corner = u >= v ? voxel(1, 0) : voxel(0, 1);
+    return u >= v ? origin + u * (corner - origin) + v * (voxel(1, 1) - corner)
+                  : origin + v * (corner - origin) + u * (voxel(1, 1) - corner);
 }
 
 /// Compares the picture of one plane with the voxels. Vertices are snapped to 1/16 pixel, and a
@@ -67,15 +66,15 @@ int compare_with_voxels(Bone& bone, int axis) {
             const int red = static_cast<int>(rgba & 255);
             CHECK(static_cast<int>(rgba >> 8 & 255) == red);
             CHECK(static_cast<int>(rgba >> 16 & 255) == red);
-            int least = 255, most = 0;
+            double least = 255, most = 0;
             for (const double across : {-near_voxels, 0.0, near_voxels}) {
                 for (const double down : {-near_voxels, 0.0, near_voxels}) {
                     glm::dvec3 p = hit->pick.p_voxel;
                     p[axis == 0 ? 1 : 0] += across;
                     p[axis == 2 ? 1 : 2] += down;
-                    const int gray = gray_of(plane_value(volume, p, axis));
-                    least = std::min(least, gray);
-                    most = std::max(most, gray);
+                    const double near = plane_gray(volume, p, axis);
+                    least = std::min(least, near);
+                    most = std::max(most, near);
                 }
             }
             CHECK(red >= least - 1);
