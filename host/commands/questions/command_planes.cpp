@@ -49,8 +49,8 @@ int checked_index(const Volume& volume, int axis, const std::string& text) {
     return index;
 }
 
-/// The window of the options; without them that of the slices in the picture, or, without any, that
-/// of the command `slice`.
+/// The gray window that the options give. A missing option keeps the value of the slices in the
+/// picture; without slices it has the value that the command `slice` begins with.
 GrayWindow checked_window(Session& session, const Arguments& arguments) {
     const GrayWindow& held = session.scene.planes_window;
     const GrayWindow window = session.scene.planes.empty()
