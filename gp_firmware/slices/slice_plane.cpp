@@ -48,7 +48,7 @@ std::array<std::int16_t, unit + 1> make_packed_grays() {
     std::array<std::int16_t, unit + 1> packed{};
     for (int gray = 0; gray <= unit; ++gray) {
         packed[static_cast<std::size_t>(gray)] =
-            static_cast<std::int16_t>(std::lround(gray * normal_one / unit));
+            static_cast<std::int16_t>(std::lround(static_cast<float>(gray) * normal_one / unit));
     }
     return packed;
 }
