@@ -69,7 +69,8 @@ Corners corners_of(const Volume& volume, const SlicePlane& plane, int gp_count =
 
 /// The gray value that a picture shows of a normal: the upper 8 bits of 9.
 int shown(int normal) {
-    return static_cast<int>(std::lround(normal * isa::region::normal_unit / normal_one)) >> 1;
+    return static_cast<int>(std::lround(normal * isa::region::normal_unit / double{normal_one})) >>
+           1;
 }
 
 }  // namespace
