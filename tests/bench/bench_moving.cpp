@@ -3,7 +3,7 @@
 
 #include <functional>
 
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "host/serve/video/video_encoder.hpp"
 #include "tests/bench/parts.hpp"
 #include "tests/host/serve/moving_pictures.hpp"

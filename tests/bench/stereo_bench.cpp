@@ -20,7 +20,7 @@
 #include "host/commands/commands.hpp"
 #include "host/machine/machine.hpp"
 #include "host/serve/depths/lean_packing.hpp"
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "ringbus/process/kept_memory.hpp"
 
 using namespace pxpl5;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "tests/host/serve/headset_words.hpp"
 #include "tests/system/theatre.hpp"
 

@@ -7,7 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/commands/text/picture_text.hpp"
 #include "host/serve/director/director.hpp"
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "host/session/transfer/frame_layers.hpp"
 
 namespace pxpl5::host::serve {

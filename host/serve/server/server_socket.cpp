@@ -10,7 +10,7 @@
 
 #include "host/base/kernel/standard_streams.hpp"
 #include "host/serve/depths/lean_packing.hpp"
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "host/serve/server/server_loop.hpp"
 #include "host/serve/server/server_request.hpp"
 

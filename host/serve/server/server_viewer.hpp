@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "host/serve/server/link_rate.hpp"
+#include "host/serve/encoding/link_rate.hpp"
 #include "host/serve/server/server_mail.hpp"
 #include "host/serve/video/video_encoder.hpp"
 

@@ -16,7 +16,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/base/error.hpp"
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "host/serve/server/server.hpp"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 #include "tests/host/serve/moving_pictures.hpp"
 
 namespace pxpl5::host::serve {

@@ -4,7 +4,7 @@
 #include <array>
 #include <deque>
 
-#include "host/serve/server/link_rate.hpp"
+#include "host/serve/encoding/link_rate.hpp"
 
 namespace pxpl5::host::serve {
 namespace {

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <deque>
 
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 
 namespace pxpl5::host::serve {
 

@@ -1,4 +1,4 @@
-#include "host/serve/server/link_rate.hpp"
+#include "host/serve/encoding/link_rate.hpp"
 
 #include <algorithm>
 #include <array>

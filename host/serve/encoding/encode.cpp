@@ -1,4 +1,4 @@
-#include "host/serve/server/encode.hpp"
+#include "host/serve/encoding/encode.hpp"
 
 #include <fmt/format.h>
 #include <png.h>
