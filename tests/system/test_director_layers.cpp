@@ -213,14 +213,21 @@ TEST_CASE("with one transparent surface each eye has two layers, with more they 
 TEST_CASE("on a slow link moving pictures are smaller, but not alternate rows") {
     Theatre stage;
     stage.watchers.scale = 0.5;
-    const auto moving_width = [&](int id, const std::string& line) {
+    const auto moving = [&](int id, const std::string& line) {
         stage.watchers.frames.clear();
         stage.watchers.does(id, line);
         stage.settle();
         REQUIRE(!stage.watchers.frames.empty());
         REQUIRE(!stage.watchers.frames[0].rests);
-        return stage.watchers.frames[0].width;
+        CHECK(stage.watchers.frames.back().scale == 1);
+        return stage.watchers.frames[0];
     };
-    CHECK(moving_width(1, "stereo sbs") == 2 * 64);
-    CHECK(moving_width(2, "stereo rows") == 128);
+    const serve::Shown beside = moving(1, "stereo sbs");
+    CHECK(beside.width == 2 * 64);
+    CHECK(beside.scale == 0.5);
+    CHECK_FALSE(beside.fixed_size);
+    const serve::Shown rows = moving(2, "stereo rows");
+    CHECK(rows.width == 128);
+    CHECK(rows.scale == 1);
+    CHECK(rows.fixed_size);
 }

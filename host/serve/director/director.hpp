@@ -139,7 +139,8 @@ class Director {
     std::string current_state() const;
     void tell_state();
 
-    Frames::Moving moving() const;
+    double moving_scale() const;
+    Frames::Moving moving(double scale) const;
     int moving_detail(int views) const;
     bool draw_in_turn(bool rests);
     bool has_onlookers() const;
@@ -168,7 +169,8 @@ class Director {
     /// The newest frame.
     struct ShownFrame {
         std::uint32_t revision = 0;
-        int samples = 0;  ///< 0 for a moving picture.
+        int samples = 0;   ///< 0 for a moving picture.
+        double scale = 1;  ///< Size of the newest moving picture, compared with that at rest.
         std::int64_t time_ns = 0;
         /// The resting picture of one sample, for its refinements: revision, views and depths,
         /// which may be empty.

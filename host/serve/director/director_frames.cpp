@@ -8,6 +8,7 @@
 #include "host/commands/text/picture_text.hpp"
 #include "host/serve/director/director.hpp"
 #include "host/serve/encoding/encode.hpp"
+#include "host/serve/encoding/reduce.hpp"
 #include "host/session/transfer/frame_layers.hpp"
 
 namespace pxpl5::host::serve {
@@ -75,6 +76,8 @@ void Director::show(Picture picture, int samples, bool rests, bool last) {
 
 void Director::show_frame(Shown frame) {
     frame.revision = revision_;
+    frame.fixed_size = session_->scene.stereo.mode == StereoMode::rows;
+    frame.scale = frame.rests ? 1 : shown_.scale;
     shown_.camera = session_->scene.camera;
     send_drawn(std::move(frame));
 }
@@ -114,14 +117,16 @@ bool Director::draw_blended() {
 }
 
 /// Moving pictures: the size is limited by the time of a frame, unless each row of the picture
-/// belongs to a row of a monitor. With `detail auto`, the detail is limited by the number of
-/// triangles.
-Frames::Moving Director::moving() const {
-    const Scene& scene = session_->scene;
-    const double scale = scene.stereo.mode == StereoMode::rows
-                             ? 1
-                             : std::min(pace_.scale(), audience_.advice().scale);
-    return {moving_size(scene.size, scale), moving_detail(1)};
+/// belongs to a row of a monitor.
+double Director::moving_scale() const {
+    return session_->scene.stereo.mode == StereoMode::rows
+               ? 1
+               : std::min(pace_.scale(), audience_.advice().scale);
+}
+
+/// With `detail auto`, the detail is limited by the number of triangles.
+Frames::Moving Director::moving(double scale) const {
+    return {moving_size(session_->scene.size, scale), moving_detail(1)};
 }
 
 /// views  Pictures that each triangle is drawn for.
@@ -168,7 +173,8 @@ void Director::announce_frame(const Arguments& command) {
         draws ? session_->surfaces.find(command.words[0]) : std::nullopt;
     // A filter of components selects the triangles only after the extraction.
     const bool is_ahead = draws && (!known || known->components.kind == ComponentFilter::Kind::all);
-    session_->frames.announce(is_ahead ? std::optional(moving()) : std::nullopt, true);
+    session_->frames.announce(is_ahead ? std::optional(moving(moving_scale())) : std::nullopt,
+                              true);
 }
 
 /// Draws with the size and the detail of moving pictures.
@@ -184,7 +190,8 @@ void Director::draw_as_moving(const std::function<void()>& draw) {
     };
     Scene& scene = session_->scene;
     const Restore restore{scene, scene.size, scene.detail};
-    const Frames::Moving now = moving();
+    shown_.scale = moving_scale();
+    const Frames::Moving now = moving(shown_.scale);
     scene.size = now.size;
     scene.detail = {false, now.detail};
     draw();

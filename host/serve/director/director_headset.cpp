@@ -7,6 +7,7 @@
 #include "host/base/error.hpp"
 #include "host/base/reply.hpp"
 #include "host/serve/director/director.hpp"
+#include "host/serve/encoding/reduce.hpp"
 
 namespace pxpl5::host::serve {
 

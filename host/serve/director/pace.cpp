@@ -11,7 +11,6 @@ namespace {
 
 constexpr std::array<double, 3> scales = {1, 0.75, 0.5};
 constexpr int enough_quick = 8;  // Frames: a third of a second.
-constexpr int smallest_px = 64;  // Of a moving picture.
 constexpr double room = 0.75;    // Share of goal_ms that the next size may take.
 
 }  // namespace
@@ -35,13 +34,6 @@ void Pace::drawn(double ms) {
         --step_;
         quick_ = 0;
     }
-}
-
-Size moving_size(const Size& full, double scale) {
-    const auto side = [scale](int px) {
-        return std::max(std::min(px, smallest_px), static_cast<int>(std::lround(px * scale)));
-    };
-    return {side(full.width), side(full.height)};
 }
 
 }  // namespace pxpl5::host::serve

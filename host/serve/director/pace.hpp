@@ -1,8 +1,6 @@
 // Chooses the size of moving pictures.
 #pragma once
 
-#include "host/base/command_line.hpp"
-
 namespace pxpl5::host::serve {
 
 inline constexpr double goal_ms = 40;  ///< Time per frame: 25 frames per second.
@@ -20,11 +18,5 @@ class Pace {
     int step_ = 0;   ///< Index into the list of scales.
     int quick_ = 0;  ///< Consecutive frames that allow a larger size.
 };
-
-/// The size of a moving picture, at least 64 pixels a side unless `full` has less.
-///
-/// full   Size of the picture at rest.
-/// scale  Above 0, at most 1.
-Size moving_size(const Size& full, double scale);
 
 }  // namespace pxpl5::host::serve

@@ -76,6 +76,8 @@ struct Shown {
     int samples = 1;             ///< Samples per pixel.
     bool rests = false;          ///< A resting picture: sent lossless, to every viewer.
     bool last = false;           ///< No refinement follows.
+    double scale = 1;            ///< Size relative to the picture at rest.
+    bool fixed_size = false;     ///< Each of its rows is for a row of the monitor.
     float machine_ms = 0;        ///< Request to picture.
     double moved_mm = 0;         ///< Above 0: simplified; no point is farther from the surfaces.
     std::uint64_t digest = 0;    ///< 0 while moving.
@@ -89,8 +91,8 @@ struct Shown {
 
 /// Wishes of the viewers for the next frame.
 struct LinkAdvice {
-    /// Size of moving frames relative to resting frames: 1, 3/4 or 1/2. The slowest driver's
-    /// connection limits it.
+    /// Size of moving frames relative to resting frames: 1, 3/4 or 1/2, by the fastest connection
+    /// of a driver. Viewers with slower connections get smaller copies.
     double scale = 1;
     bool wants_depths = false;  ///< Some viewer shows pictures from newer viewpoints.
     double pair_scale = 1;      ///< Likewise of a headset's pairs, by its wearer's connection.

@@ -131,6 +131,11 @@ void Loop::deliver() {
     advise();
 }
 
+double Loop::scale_for(Viewer& viewer) const {
+    const auto layers = viewer.wants_depths ? moving_layers_ : 1;
+    return resting_pixels_ > 0 ? viewer.link.scale(layers * resting_pixels_) : 1;
+}
+
 void Loop::advise() {
     const Wearer wearer = mail_.wearer();
     const auto newest = mail_.newest(), newest_pair = mail_.newest(wearer.viewer);
@@ -138,6 +143,7 @@ void Loop::advise() {
     wants.frame_sequence = newest->sequence;
     wants.pair_sequence = newest_pair->sequence;
     LinkAdvice& advice = wants.advice;
+    std::optional<double> fastest;
     for (auto& [connection, socket] : sockets_) {
         Viewer& viewer = socket.viewer;
         if (!socket.joined) {
@@ -151,11 +157,11 @@ void Loop::advise() {
         }
         wants.frame = wants.frame || viewer.wants_newer(*newest);
         advice.wants_depths = advice.wants_depths || viewer.wants_depths;
-        if (viewer.role == Role::driver && resting_pixels_ > 0) {
-            const auto layers = viewer.wants_depths ? moving_layers_ : 1;
-            advice.scale = std::min(advice.scale, viewer.link.scale(layers * resting_pixels_));
+        if (viewer.role == Role::driver) {
+            fastest = std::max(fastest.value_or(0), scale_for(viewer));
         }
     }
+    advice.scale = fastest.value_or(advice.scale);
     mail_.advise(wants);
 }
 

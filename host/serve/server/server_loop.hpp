@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "host/serve/server/compressed_files.hpp"
+#include "host/serve/server/frame_encodings.hpp"
 #include "host/serve/server/listener.hpp"
 #include "host/serve/server/routes.hpp"
 #include "host/serve/server/server_mail.hpp"
@@ -89,16 +90,13 @@ class Loop {
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
-    OnePicture picture_of(const Shown& shown, bool is_one);
-    /// The picture in the encoding that suits the viewer's link.
-    Encoded encoded_for(Viewer& viewer, const Shown& shown, const OnePicture& sent,
-                        std::size_t depth_bytes);
+    /// Size of moving frames for that viewer, relative to resting frames, by its connection.
+    double scale_for(Viewer& viewer) const;
+    /// The pictures in the encoding that suits the viewer's link.
+    Encoded encoded_for(Viewer& viewer, const Shown& form, std::size_t depth_bytes);
     /// Encodes into video_frame_. False if that fails; the viewer then gets no video any more.
-    bool encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes);
+    bool encode_video(Viewer& viewer, const Shown& form, std::size_t depth_bytes);
     bool has_place_for_video(const Viewer& viewer) const;
-    /// No quality: the PNG.
-    const std::string& encoded(const OnePicture& sent, const std::optional<JpegQuality>& quality);
-    const std::string& encoded_depths(const Shown& shown);
     void forget(lws* connection);
 
     Mail& mail_;
@@ -111,18 +109,7 @@ class Loop {
     std::map<lws*, Socket> sockets_;
     std::map<lws*, Upload> uploading_;
     std::uint32_t viewers_ = 0;  ///< Number of viewers that joined so far.
-    std::uint64_t encoded_sequence_ = 0;
-    SharedWords as_one_of_;  ///< The pixels of the frame that as_one_ shows.
-    OnePicture as_one_;      ///< The frame as one picture.
-    /// A picture, and the pixels that it keeps, so that no others come to lie in their place.
-    struct EncodedPicture {
-        SharedWords pixels;
-        std::string bytes;
-    };
-    /// The encoded pictures of the newest frame by place of the pixels and quality.
-    std::map<std::pair<const std::uint32_t*, std::optional<JpegQuality>>, EncodedPicture> encoded_;
-    std::string encoded_depths_;  ///< The depths of encoded_depths_of_.
-    SharedWords encoded_depths_of_;
+    FrameEncodings encodings_;
     VideoEncoder::Frame video_frame_;  ///< The last of any viewer.
     std::size_t resting_pixels_ = 0;
     std::size_t moving_layers_ = 1;

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "host/base/kernel/standard_streams.hpp"
-#include "host/serve/depths/lean_packing.hpp"
 #include "host/serve/encoding/encode.hpp"
 #include "host/serve/server/server_loop.hpp"
 #include "host/serve/server/server_request.hpp"
@@ -248,20 +247,20 @@ int Loop::on_writable(lws* connection, Socket& socket) {
 
 int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
     const Shown& shown = *viewer.next_of(frame);
-    if (encoded_sequence_ != frame.sequence) {
-        encoded_.clear();
-        encoded_sequence_ = frame.sequence;
-    }
+    encodings_.begin(frame);
+    const double scale = shown.viewer == 0 ? scale_for(viewer) : shown.scale;
     const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && !shown.depths.empty();
-    const std::string_view depths = has_depths ? encoded_depths(shown) : std::string_view();
-    const bool is_one = depths.empty() && shown.as_one;
-    const OnePicture sent = picture_of(shown, is_one);
-    const Encoded picture = encoded_for(viewer, shown, sent, depths.size());
+    const Shown* form = &encodings_.form_of(shown, has_depths, scale);
+    const std::string_view depths = has_depths ? encodings_.depths(*form) : std::string_view();
+    if (depths.empty()) {
+        form = &encodings_.form_of(shown, false, scale);
+    }
+    const Encoded picture = encoded_for(viewer, *form, depths.size());
     FrameHeader header;
     header.number = viewer.count_frame(frame);
     header.revision = shown.revision;
-    header.width = static_cast<std::uint16_t>(sent.width);
-    header.height = static_cast<std::uint16_t>(is_one ? sent.height : shown.height);
+    header.width = static_cast<std::uint16_t>(form->width);
+    header.height = static_cast<std::uint16_t>(form->height);
     header.kind = picture.kind;
     header.quality = static_cast<std::uint8_t>(picture.quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
@@ -273,9 +272,9 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     header.picture_bytes = static_cast<std::uint32_t>(picture.bytes.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
     header.pose = shown.pose;
-    header.views = static_cast<std::uint8_t>(is_one ? 1 : shown.views);
-    header.layers = static_cast<std::uint8_t>(is_one ? 1 : shown.layers);
-    header.opacity = static_cast<std::uint8_t>(is_one ? 0 : shown.opacity);
+    header.views = static_cast<std::uint8_t>(form->views);
+    header.layers = static_cast<std::uint8_t>(form->layers);
+    header.opacity = static_cast<std::uint8_t>(form->opacity);
     const std::size_t bytes = sizeof(FrameHeader) + picture.bytes.size() + depths.size();
     viewer.link.sent(header.number, bytes, now_ms(), picture.kind);
     return write_message(connection, {frame_header(header), picture.bytes, depths},
@@ -283,22 +282,20 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
 }
 
 /// The pairs of a headset are no video: the page warps them, and drops late ones undecoded.
-Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& shown, const OnePicture& sent,
-                                std::size_t depth_bytes) {
-    if (shown.rests) {
-        return {PictureKind::png, encoded(sent, std::nullopt)};
+Loop::Encoded Loop::encoded_for(Viewer& viewer, const Shown& form, std::size_t depth_bytes) {
+    if (form.rests) {
+        return {PictureKind::png, encodings_.pictures(form, std::nullopt)};
     }
-    const std::size_t pixels = sent.pixels.size();
-    const bool may_be_video =
-        viewer.wants_video && shown.viewer == 0 && has_place_for_video(viewer);
+    const std::size_t pixels = form.pixels.size();
+    const bool may_be_video = viewer.wants_video && form.viewer == 0 && has_place_for_video(viewer);
     if (viewer.link.uses_video(std::max(pixels, resting_pixels_), may_be_video) &&
-        encode_video(viewer, sent, depth_bytes)) {
+        encode_video(viewer, form, depth_bytes)) {
         viewer.link.encoded_depths(pixels, depth_bytes);
         return {PictureKind::vp8, video_frame_.bytes, 0, video_frame_.is_key ? +FrameFlag::key : 0};
     }
     viewer.video.reset();
     const JpegQuality quality = viewer.link.quality(pixels);
-    const std::string& picture = encoded(sent, quality);
+    const std::string& picture = encodings_.pictures(form, quality);
     viewer.link.encoded(quality, pixels, picture.size() + depth_bytes);
     return {PictureKind::jpeg, picture, quality.quality,
             quality.full_color ? +FrameFlag::full_color : 0};
@@ -316,57 +313,20 @@ bool Loop::has_place_for_video(const Viewer& viewer) const {
                             (viewer.role == Role::driver || watchers + 1 < max_video_viewers));
 }
 
-bool Loop::encode_video(Viewer& viewer, const OnePicture& sent, std::size_t depth_bytes) {
+bool Loop::encode_video(Viewer& viewer, const Shown& form, std::size_t depth_bytes) {
     // Depths have their own size. What they leave is for the colors, but not less than a half.
     const std::size_t goal = viewer.link.video_bytes();
     try {
         if (!viewer.video) {
             viewer.video = std::make_unique<VideoEncoder>();
         }
-        video_frame_ = viewer.video->encode(sent.width, sent.height, sent.pixels,
+        video_frame_ = viewer.video->encode(form.width, form.pictures() * form.height, form.pixels,
                                             goal - std::min(depth_bytes, goal / 2));
     } catch (const std::exception& error) {
         print_notice("warning", fmt::format("moving pictures are JPEG: {}", error.what()));
         viewer.wants_video = false;
     }
     return viewer.wants_video;
-}
-
-OnePicture Loop::picture_of(const Shown& shown, bool is_one) {
-    if (!is_one) {
-        return {shown.width, shown.pictures() * shown.height, shown.pixels};
-    }
-    if (as_one_of_.data() != shown.pixels.data()) {
-        as_one_ = shown.as_one();
-        as_one_of_ = shown.pixels;
-    }
-    return as_one_;
-}
-
-const std::string& Loop::encoded(const OnePicture& sent,
-                                 const std::optional<JpegQuality>& quality) {
-    auto& [pixels, picture] = encoded_[{sent.pixels.data(), quality}];
-    if (picture.empty()) {
-        pixels = sent.pixels;
-        picture = quality ? jpeg_of(sent.width, sent.height, sent.pixels, *quality)
-                          : png_of(sent.width, sent.height, sent.pixels);
-    }
-    return picture;
-}
-
-/// Refinements of a picture share the depths, which are packed once.
-const std::string& Loop::encoded_depths(const Shown& shown) {
-    if (encoded_depths_of_.data() != shown.depths.data()) {
-        encoded_depths_of_ = shown.depths;
-        encoded_depths_.clear();  // A picture without depths is better than none.
-        try {
-            encoded_depths_ =
-                packed_stack(shown.width, shown.height, shown.pictures(), shown.depths);
-        } catch (const std::exception& error) {
-            print_notice("warning", fmt::format("pictures have no depths: {}", error.what()));
-        }
-    }
-    return encoded_depths_;
 }
 
 int Loop::on_timer(lws* connection, Socket& socket) {

@@ -4,7 +4,8 @@
 // `{"frame":[width,height,revision,rests,depths]}` shows a frame whose colors follow from the
 // revision, and with depths if the last word is true. Another `true` makes it a frame of two
 // layers; a pose and a viewer instead make it a pair for that viewer, who wears a headset after
-// `{"wear":[viewer,pixels]}`;
+// `{"wear":[viewer,pixels]}`. `"scale":x` beside a frame says how large it is compared with that at
+// rest, and `"fixed":true` that it must keep its size;
 // `{"texts":[count,bytes]}` sends so many texts; `{"binary":bytes}` one binary message;
 // `{"say":x}` goes to all; `{"wants":0}` reports if a frame is wanted.
 #include <fmt/format.h>
@@ -62,7 +63,10 @@ serve::Shown frame_of(const Json& words) {
 void obey(serve::Server& server, const serve::Said& said) {
     const Json words = Json::parse(said.text, nullptr, false);
     if (words.contains("frame")) {
-        server.show(frame_of(words["frame"]));
+        serve::Shown frame = frame_of(words["frame"]);
+        frame.scale = words.value("scale", 1.0);
+        frame.fixed_size = words.value("fixed", false);
+        server.show(std::move(frame));
     }
     if (words.contains("wear")) {
         server.wear(words["wear"][0], words["wear"][1]);

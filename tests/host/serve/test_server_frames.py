@@ -12,8 +12,9 @@ from server_case import Case, main  # noqa: E402
 
 
 class Frames(Case):
-    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False, layers=False):
-        viewer.send(json.dumps({"frame": [*size, revision, rests, depths, layers]}))
+    def show(self, viewer, revision, rests=False, size=(64, 48), depths=False, layers=False,
+             **more):
+        viewer.send(json.dumps({"frame": [*size, revision, rests, depths, layers], **more}))
 
     def frame(self, viewer):
         """The next frame's header as a dict, and its picture."""
@@ -151,6 +152,54 @@ class Frames(Case):
                 self.shown(viewer, head["number"])
         kinds = [head["kind"] for head in heads]
         self.assertEqual((sorted(kinds[:2]), kinds[2]), ([1, 3], 3))
+
+    def slow(self, asker, viewer, **more):
+        """The last head and bytes of several moving frames that take their time to the viewer."""
+        for revision in range(2, 8):
+            self.show(asker, revision, size=(640, 480), **more)
+            head, bytes_ = self.frame(viewer)
+            self.take_time()
+            self.shown(viewer, head["number"])
+        return head, bytes_
+
+    def test_a_viewer_on_a_slow_link_gets_smaller_moving_pictures_than_others(self):
+        quick, watcher = self.join(), self.join(self.server.watch_url)
+        self.show(quick, 1, rests=True, size=(640, 480))
+        self.shown(watcher, self.frame(watcher)[0]["number"])
+        self.frame(quick)  # It acknowledges nothing, so its link is not known to be slow.
+        head, _ = self.slow(quick, watcher)
+        self.assertEqual((head["width"], head["height"]), (320, 240))
+        head, _ = self.frame(quick)
+        self.assertEqual((head["revision"], head["width"], head["height"]), (2, 640, 480))
+        self.assertEqual(self.ask(quick, wants=0)["scale"], 1)
+        # Depths get the size of the picture, and two layers become one.
+        head, _ = self.slow(quick, watcher, depths=True, layers=True)
+        self.assertEqual((head["width"], head["height"], head["layers"]), (320, 240, 1))
+        watcher.send('{"depths":true}')
+        self.sync(watcher)
+        head, bytes_ = self.slow(quick, watcher, depths=True)
+        self.assertEqual((head["width"], head["height"]), (320, 240))
+        lean = zlib.decompress(bytes_[head["picture_bytes"] + 4:], wbits=-15)
+        self.assertEqual(len(lean), 320 * 240 // 8 + 2 * 81 * 61 + 80 * 60 // 8)
+        # What rests has its full size, and so have the rows of a monitor.
+        head, _ = self.slow(quick, watcher, fixed=True)
+        self.assertEqual((head["width"], head["height"]), (640, 480))
+        self.show(quick, 9, rests=True, size=(640, 480))
+        head, _ = self.frame(watcher)
+        self.assertEqual((head["flags"], head["width"], head["height"]), (1, 640, 480))
+
+    def test_the_machine_draws_in_the_size_for_the_fastest_driver(self):
+        slow, quick = self.join(), self.join()
+        self.show(quick, 1, rests=True, size=(640, 480))
+        self.shown(slow, self.frame(slow)[0]["number"])
+        self.slow(quick, slow)
+        self.assertEqual(self.ask(quick, wants=0)["scale"], 1)
+        quick.close()
+        self.assertEqual([self.server.event() for _ in range(3)][-1], "left 2")
+        self.assertEqual(self.ask(slow, wants=0)["scale"], 0.5)
+        # A frame that has been drawn in this size is not made smaller again.
+        head, _ = self.slow(slow, slow, scale=0.5)
+        self.assertEqual((head["width"], head["height"]), (640, 480))
 
     def test_frames_that_only_waited_in_the_page_are_no_sign_of_a_slow_link(self):
         for after_ms, kind in ((0, 3), (60000, 1)):
