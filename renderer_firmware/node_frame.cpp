@@ -72,6 +72,7 @@ Shading shading_of(const schema::DrawFrame& draw) {
     for (const schema::SurfaceDraw* surface : *draw.surfaces()) {
         const schema::Rgb& c = surface->color();
         shading.surfaces.push_back({c.r(), c.g(), c.b()});
+        shading.rims.push_back(static_cast<float>(surface->rim()) / max_rim);
     }
     shading.planes = bus::plane_count(draw);
     shading.ambient = draw.ambient();

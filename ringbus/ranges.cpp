@@ -87,7 +87,8 @@ std::string planes_range(const schema::DrawFrame& draw) {
             .equal("slabs of a slice plane", static_cast<int>(entry->slabs()),
                    static_cast<int>(SlabChoice::all))
             .equal("opacity of a slice plane", int{entry->opacity()}, full_opacity)
-            .equal("detail of a slice plane", int{entry->detail()}, 0);
+            .equal("detail of a slice plane", int{entry->detail()}, 0)
+            .equal("rim of a slice plane", int{entry->rim()}, 0);
     }
     return check.reason();
 }
@@ -129,7 +130,8 @@ std::string range_of(const schema::DrawFrame& draw) {
     for (const auto* surface : *draw.surfaces()) {
         check.known("slabs", surface->slabs())
             .within("opacity", surface->opacity(), 1, full_opacity)
-            .at_most("detail", surface->detail(), max_detail);
+            .at_most("detail", surface->detail(), max_detail)
+            .at_most("rim", surface->rim(), max_rim);
     }
     check.add(planes_range(draw));
     return check.reason();

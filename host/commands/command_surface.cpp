@@ -69,6 +69,8 @@ void take_style(const Arguments& arguments, Surface& wish) {
         const double share = arguments.number("opacity", 1);
         wish.opacity = std::max(1, static_cast<int>(std::lround(share * full_opacity)));
     }
+    wish.rim = static_cast<int>(
+        std::lround(arguments.number("rim", static_cast<double>(wish.rim) / max_rim) * max_rim));
 }
 
 /// The surface as it was, or as its name suggests, changed by the arguments.

@@ -143,6 +143,7 @@ std::vector<Command> surface_commands() {
                       {"preset", "TISSUE", "isovalue and color of a tissue; see 'presets'"},
                       {"color", "C", "#rrggbb, r,g,b or a name", ValueType::color},
                       number_value("opacity", "SHARE", 0.01, 1, "drawn with a stipple mask"),
+                      number_value("rim", "LIGHT", 0, 1, "light at the edges, in steps of 1/16"),
                       choice_value("visible", yes_no, "whether the surface is drawn", "yes"),
                       choice_value("table", enum_names<CaseRule>, "marching-cubes table",
                                    enum_names<CaseRule>[0])},

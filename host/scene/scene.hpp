@@ -44,6 +44,7 @@ struct Surface {
     bool cull_back = false;  ///< Triangles that turn their back are not drawn.
     bool visible = true;
     int opacity = full_opacity;  ///< Sixteenths of the pixels that show it; 1..16.
+    int rim = 0;                 ///< Light at its edges, sixteenths; 0..max_rim.
     ComponentFilter components;
     std::string compared_with;  ///< For a surface made by `compare`: the compared surface.
 };

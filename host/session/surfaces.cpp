@@ -46,6 +46,7 @@ void Surfaces::set_style(const Surface& like) {
     surface.color = like.color;
     surface.visible = like.visible;
     surface.opacity = like.opacity;
+    surface.rim = like.rim;
     surface.cull_back = like.cull_back;
 }
 

@@ -53,7 +53,7 @@ class Surfaces {
     void remove(const std::string& name);
     /// The surface of that name, if it exists.
     std::optional<Surface> find(const std::string& name) const;
-    /// Sets color, visible, opacity and cull_back of the surface with the same name.
+    /// Sets color, visible, opacity, rim and cull_back of the surface with the same name.
     void set_style(const Surface& like);
     bool has_report(const std::string& name) const { return reports_.contains(name); }
     const SurfaceReport& report_of(const std::string& name) const;

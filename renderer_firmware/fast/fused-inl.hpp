@@ -241,6 +241,10 @@ template <Operands o>
 HWY_INLINE void run_row(Row<isa::Op::neg_mem>, Pixels& p, std::int32_t) {
     FieldA<o>::store(p, constant<o.n>(0) - FieldA<o>::load(p));
 }
+template <Operands o>
+HWY_INLINE void run_row(Row<isa::Op::not_mem>, Pixels& p, std::int32_t) {
+    FieldA<o>::store(p, constant<o.n>(-1) - FieldA<o>::load(p));
+}
 
 /// m[a : a+2n) = m[a] * m[b].
 template <Operands o>

@@ -234,6 +234,8 @@ std::span<const Fused> fused_programs() {
         fused<texts::color_first>,
         fused<texts::color_next>,
         fused<texts::limit_light>,
+        fused<texts::rim_view>,
+        fused<texts::rim>,
         fused<texts::gray>,
         fused<texts::enable_covered>,
         fused<texts::finish>,

@@ -1,21 +1,18 @@
 #include "renderer_firmware/igc/region_program.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "isa/contract/sample_sums.hpp"
 #include "isa/contract/screen_door.hpp"
 #include "isa/program.hpp"
+#include "renderer_firmware/igc/shading_facts.hpp"
 #include "renderer_firmware/igc/tone_curve.hpp"
 #include "renderer_firmware/programs/texts.hpp"
-#include "ringbus/rules/light_sum.hpp"
 
 namespace pxpl5::renderer {
 namespace {
@@ -35,41 +32,12 @@ template <std::size_t words, std::size_t open>
 std::vector<std::uint32_t> bound(const programs::Text<words, open>& text,
                                  const isa::Parameters& values = {}) {
     isa::Program program;
-    program.words.assign(text.words.begin(), text.words.end());
+    // Not by assign(), of which g++ 12 warns without a reason.
+    program.words = std::vector<std::uint32_t>(text.words.begin(), text.words.end());
     for (const programs::Open& coefficient : text.open) {
         program.patches.push_back({std::string(coefficient.name), coefficient.word});
     }
     return program.bind(values);
-}
-
-struct Vector {
-    double x, y, z;
-};
-
-std::optional<Vector> normalized(Vector v) {
-    const double length = std::sqrt(v.x * v.x + v.y * v.y + v.z * v.z);
-    if (!(length > 1e-6) || !std::isfinite(length)) {
-        return std::nullopt;
-    }
-    return Vector{v.x / length, v.y / length, v.z / length};
-}
-
-/// Returns the most light that a pixel can have. A pixel faces some of the lights: their sum is
-/// greatest where the normal is the direction of their sum.
-double brightest_light(const Shading& shading) {
-    const std::size_t count = shading.lights.size();
-    double most = 0;
-    for (std::size_t facing = 0; facing < std::size_t{1} << count; ++facing) {
-        Vector sum{0, 0, 0};
-        for (std::size_t i = 0; i < count; ++i) {
-            const Light& light = shading.lights[i];
-            const Vector l = *normalized({light.direction.x, light.direction.y, light.direction.z});
-            const double share = (facing >> i & 1U) != 0 ? light.intensity : 0;
-            sum = {sum.x + share * l.x, sum.y + share * l.y, sum.z + share * l.z};
-        }
-        most = std::max(most, std::sqrt(sum.x * sum.x + sum.y * sum.y + sum.z * sum.z));
-    }
-    return shading.ambient + most;
 }
 
 std::int64_t packed(Rgb c) {
@@ -91,6 +59,10 @@ class Writer {
         add(programs::skip_empty, {{"readout", 0}});
         const std::size_t skip = words_.size() - 1;
         light();
+        const bool limited = limit_light();
+        if (rims() || limited) {
+            add(programs::enable_covered);
+        }
         colors();
         add(programs::finish);
         grays();
@@ -137,7 +109,7 @@ class Writer {
                                                         light_field::half_step)}});
         const bool any =
             std::ranges::any_of(shading_.lights, [](const Light& l) { return l.intensity > 0; });
-        if (any) {
+        if (any || has_rims()) {
             add(programs::normal);
             add(programs::length);
             add(programs::inverse);
@@ -152,6 +124,20 @@ class Writer {
                 this->lamp(lamp);
             }
         }
+        if (has_rims()) {
+            view();
+        }
+    }
+
+    bool has_rims() const {
+        return std::ranges::any_of(shading_.rims, [](float rim) { return rim > 0; });
+    }
+
+    /// The cosine between normal and view. 1.0 does not fit the constant, which is signed.
+    void view() {
+        dot({0, 0, 1}, dot_one - 1);
+        add(programs::scale);
+        add(programs::rim_view);
     }
 
     void lamp(const Light& lamp) {
@@ -224,8 +210,7 @@ class Writer {
             add(programs::color_next, {{"surface_number", static_cast<std::int64_t>(i + 1)},
                                        {"color", spread(surfaces[i])}});
         }
-        const bool limited = limit_light();
-        if (lit > 1 || limited) {
+        if (lit > 1) {
             add(programs::enable_covered);
         }
     }
@@ -245,13 +230,17 @@ class Writer {
         const double brightest = brightest_light(shading_);
         bool limited = false;
         for (std::size_t i = 0; i + shading_.planes < shading_.surfaces.size(); ++i) {
-            const Rgb color = shading_.surfaces[i];
-            if (const auto curve = tone_curve(brightest, std::max({color.r, color.g, color.b}))) {
+            if (const auto curve = tone_curve(brightest, brightest_channel(i))) {
                 bend_light(static_cast<std::int64_t>(i + 1), *curve);
                 limited = true;
             }
         }
         return limited;
+    }
+
+    int brightest_channel(std::size_t surface) const {
+        const Rgb color = shading_.surfaces[surface];
+        return std::max({color.r, color.g, color.b});
     }
 
     void bend_light(std::int64_t surface, const ToneCurve& curve) {
@@ -265,53 +254,29 @@ class Writer {
         add(programs::limit_light, {{"surface_number", surface}, {"limit", curve.limit}});
     }
 
+    /// Adds light at the edges of the surfaces that have a rim. Returns whether any has.
+    bool rims() {
+        const double brightest = brightest_light(shading_);
+        for (std::size_t i = 0; i < shading_.rims.size(); ++i) {
+            const double light = 2.0 * shading_.rims[i];
+            const auto surface = static_cast<std::int64_t>(i + 1);
+            if (light == 0) {
+                continue;
+            }
+            add(programs::rim, {{"surface_number", surface},
+                                {"rim_light", std::lround(light * light_field::one)}});
+            const int channel = brightest_channel(i);
+            if (light_field::is_above_limit(brightest + light, channel)) {
+                add(programs::limit_light,
+                    {{"surface_number", surface}, {"limit", light_field::limit(channel)}});
+            }
+        }
+        return has_rims();
+    }
+
     const Shading& shading_;
     std::vector<std::uint32_t> words_;
 };
-
-void require(bool holds, const std::string& what) {
-    if (!holds) {
-        throw std::invalid_argument("shading: " + what);
-    }
-}
-
-void verify(const Shading& s) {
-    require(s.lights.size() <= max_lights,
-            fmt::format("{} lights; at most {}", s.lights.size(), max_lights));
-    require(s.surfaces.size() <= max_surfaces,
-            fmt::format("{} surfaces; at most {}", s.surfaces.size(), max_surfaces));
-    require(s.screens.size() <= s.surfaces.size(),
-            fmt::format("{} screens of {} surfaces", s.screens.size(), s.surfaces.size()));
-    require(s.planes <= s.surfaces.size(),
-            fmt::format("{} slice planes among {} surfaces", s.planes, s.surfaces.size()));
-    for (const Screen& screen : s.screens) {
-        require(screen.opacity >= 1 && screen.opacity <= full_opacity,
-                fmt::format("opacity {}; must be 1..{}", screen.opacity, full_opacity));
-    }
-    const Pass pass = s.pass;
-    require(
-        pass.samples == 1 || pass.samples == few_samples || pass.samples == many_samples,
-        fmt::format("{} samples; must be 1, {} or {}", pass.samples, few_samples, many_samples));
-    require(pass.sample < pass.samples,
-            fmt::format("sample {} of {}, counted from 0", pass.sample, pass.samples));
-    require(s.specular_power >= 1 && s.specular_power <= max_specular_power,
-            fmt::format("specular power {}; must be 1..{}", s.specular_power, max_specular_power));
-    require(s.specular >= 0 && s.specular <= 1,
-            fmt::format("specular {}; must be 0..1", s.specular));
-    require(s.ambient >= 0, fmt::format("ambient {}; must not be negative", s.ambient));
-    double sum = s.ambient;
-    for (const Light& light : s.lights) {
-        const Light::Direction& d = light.direction;
-        require(light.intensity >= 0,
-                fmt::format("a light of intensity {}; must not be negative", light.intensity));
-        require(normalized({d.x, d.y, d.z}).has_value(),
-                fmt::format("a light's direction ({}, {}, {}) has no length", d.x, d.y, d.z));
-        sum += light.intensity;
-    }
-    require(
-        sum <= bus::max_light_sum,
-        fmt::format("ambient and intensities sum up to {}; at most {}", sum, bus::max_light_sum));
-}
 
 /// u or v of a screen's rank: a linear form in x and y.
 struct PlaceForm {

@@ -36,8 +36,10 @@ struct Screen {
 };
 
 /// The lighting of a frame. The color of a pixel is
-///   surface * (ambient + sum I max(0, n.l)) + 255 * specular * sum I max(0, n.h)^power,
-/// limited to 255, with n turned to the viewer and h = normalize(l + (0, 0, 1)).
+///   surface * light + 255 * specular * sum I max(0, n.h)^power, limited to 255,
+///   light = ambient + sum I max(0, n.l) + 2 rim (1 - n.z)^2,
+/// with n turned to the viewer and h = normalize(l + (0, 0, 1)). Lights that could overexpose the
+/// surface are bent first (tone_curve.hpp). With a rim, light is cut where it would.
 struct Shading {
     std::vector<Light> lights;  ///< 0..4.
     float ambient = 0.2F;
@@ -47,6 +49,7 @@ struct Shading {
     std::vector<Rgb>
         surfaces;  ///< Colors. Surface field s of a pixel selects surfaces[s - 1]; 0..255.
     std::vector<Screen> screens;  ///< One per surface; missing ones are opaque.
+    std::vector<float> rims;      ///< One per surface, 0..1; missing ones are 0.
     /// The last of `surfaces` are slice planes: their pixels have gray values and no light. A
     /// normal (0, 0, gray) has twice the gray value of 0..255 in field units, or one more.
     std::size_t planes = 0;

@@ -15,6 +15,17 @@ inline constexpr double half_step = 16;  ///< finish.pxasm drops 5 bits of `ligh
 inline constexpr double finish_one = 512;  ///< 1.0 of the bits that finish.pxasm uses.
 inline constexpr std::int64_t per_step = 32;
 
+/// Whether this much light makes a channel brighter than 255.
+inline bool is_above_limit(double light, int channel) {
+    return light + 1 / finish_one > 255.0 / std::max(channel, 1);
+}
+
+/// The most light, in units of the field, that does not. The field ends at 4.0.
+inline std::int64_t limit(int channel) {
+    const auto steps = static_cast<std::int64_t>(255.0 / std::max(channel, 1) * finish_one);
+    return std::min((steps + 1) * per_step - 1, std::int64_t{0xffff});
+}
+
 }  // namespace light_field
 
 /// Light x above the knee k becomes x - a (x - k)^2: the curve has slope 1 at the knee and ends at
@@ -38,17 +49,16 @@ inline std::optional<ToneCurve> tone_curve(double brightest, int channel) {
         return std::llround(light * light_field::one + light_field::half_step);
     };
     const double limit = 255.0 / std::max(channel, 1);
-    brightest += 1 / light_field::finish_one;
-    if (brightest <= limit) {
+    if (!light_field::is_above_limit(brightest, channel)) {
         return std::nullopt;
     }
+    brightest += 1 / light_field::finish_one;
     const double end = std::min(brightest, 2 * limit);
     const double width = std::max(2 * (end - limit), least_width);
     ToneCurve curve;
     curve.knee = in_field(end - width);
     curve.bend = std::llround((end - limit) / (width * width) * bend_one);
-    const auto steps = static_cast<std::int64_t>(limit * light_field::finish_one);
-    curve.limit = (steps + 1) * light_field::per_step - 1;
+    curve.limit = light_field::limit(channel);
     if (brightest > end) {
         curve.cut = in_field(end);
     }

@@ -32,6 +32,7 @@ void check(const DrawFrame& draw) {
         known("slabs", surface.slabs());
         in("opacity", surface.opacity(), 1, full_opacity);
         in("detail", surface.detail(), 0, max_detail);
+        in("rim", surface.rim(), 0, max_rim);
     });
     in("slice planes", length(draw.planes()), 0, max_slice_planes);
     in("slice planes", length(draw.planes()), 0, draw.surfaces()->size());

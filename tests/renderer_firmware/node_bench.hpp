@@ -91,8 +91,8 @@ inline bus::Payload begin(std::uint32_t frame, const std::vector<std::uint16_t>&
     body.draw->background = std::make_unique<schema::Rgb>(10, 20, 30);
     // No lights and full ambient light: a pixel shows its surface's color.
     constexpr auto all = SlabChoice::all;
-    body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, full_opacity, 0},
-                           {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity, 0}};
+    body.draw->surfaces = {{0, 1, schema::Rgb(200, 100, 50), false, all, full_opacity, 0, 0},
+                           {1, 1, schema::Rgb(1, 2, 3), false, all, wishes.opacity, 0, 0}};
     body.draw->read_depths = wishes.read_depths;
     body.draw->sample = wishes.sample;
     body.draw->samples = wishes.samples;

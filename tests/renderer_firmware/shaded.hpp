@@ -131,6 +131,10 @@ inline Shading random_shading(ShadingRandom& random, int lights) {
     }
     for (int i = random.below(4); i >= 0; --i) {
         s.surfaces.push_back(random.color());
+        if (random.below(2) == 0) {  // The last surfaces may have no entry.
+            s.rims.resize(s.surfaces.size());
+            s.rims.back() = static_cast<float>(random.below(17)) / 16;
+        }
     }
     return s;
 }

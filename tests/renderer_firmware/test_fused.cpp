@@ -114,6 +114,7 @@ Shading random_shading(RandomPrograms& random) {
     for (std::uint32_t i = random.below(5); i > 0; --i) {
         s.surfaces.push_back({part(), part(), part()});
         s.screens.push_back({1 + random.below(16), random.below(12)});
+        s.rims.push_back(static_cast<float>(random.below(4)) / 3);
     }
     if (random.below(3) == 0) {
         s.planes = random.below(static_cast<std::uint32_t>(s.surfaces.size()) + 1);

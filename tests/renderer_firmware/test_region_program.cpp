@@ -64,8 +64,11 @@ std::array<double, 3> phong(const Shading& s, const Covered& c) {
         gloss += double{lamp.intensity} * s.specular *
                  std::pow(std::max(0.0, dot(n, h)), s.specular_power);
     }
-    light = bent(light, brightest_of(s),
-                 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}}));
+    const auto at = static_cast<std::size_t>(c.surface - 1);
+    const double rim = at < s.rims.size() ? s.rims[at] : 0;
+    const double limit = 255.0 / std::max({color.r, color.g, color.b, std::uint8_t{1}});
+    light = bent(light, brightest_of(s), limit);
+    light = std::min(light + 2 * rim * (1 - n.z) * (1 - n.z), std::min(limit, 4.0));
     const auto mixed = [&](std::uint8_t value) {
         return std::min(255.0, value * light + 255 * gloss);
     };
@@ -194,6 +197,49 @@ TEST_CASE("lights that overexpose nothing cost nothing") {
     CHECK(instructions(apart, 255) == instructions(apart, 10));
 }
 
+TEST_CASE("a rim adds light at the edges of its surface alone, without lights, too") {
+    Shading shading;
+    shading.ambient = 0.25F;
+    shading.surfaces = {{200, 100, 40}, {200, 100, 40}, {200, 100, 40}};
+    shading.rims = {0, 1};
+    std::vector<Covered> pixels(pixel_count, {2, {0, 0, 510}});
+    pixels[1].normal = {0, -510, 0};
+    pixels[2].normal = {361, 0, 361};
+    pixels[3].normal = {361, 0, -361};
+    pixels[4].normal = {0, 0, 0};
+    pixels[5] = {1, {0, -510, 0}};
+    pixels[6] = {3, {0, -510, 0}};
+    const std::vector<Color> found = shade(shading, pixels);
+    const Color ambient = {50, 25, 10};
+    CHECK(found[0] == ambient);
+    CHECK(found[1][0] == 255);  // 0.25 + 2, cut so that red is 255 and the hue stays.
+    CHECK(found[1][2] == 51);
+    CHECK(found[2] == Color{84, 42, 17});  // At 45 degrees: 0.25 + 2 x 0.293 squared.
+    CHECK(found[3] == found[2]);
+    for (const std::size_t at : {4U, 5U, 6U}) {
+        CHECK(found[at] == ambient);
+    }
+    const auto size = [](const Shading& s) { return renderer::end_of_region(s).size(); };
+    shading.rims = {0, 0, 0};
+    Shading without = shading;
+    without.rims = {};
+    CHECK(size(shading) == size(without));
+}
+
+TEST_CASE("rims and lights together follow the formula up to the light that a pixel can hold") {
+    ShadingRandom random(test::seed_or<std::uint64_t>(56));
+    Shading shading = white_lamp({0, 1, 0.1F});
+    shading.lights[0].intensity = 3.6F;
+    shading.surfaces = {{60, 30, 10}, {255, 200, 10}, {130, 130, 130}};
+    shading.rims = {1, 1, 0.5F};
+    std::vector<Covered> pixels(pixel_count);
+    for (Covered& pixel : pixels) {
+        pixel = covered(random, 1 + random.below(3), random.between(200, 510));
+    }
+    pixels[0] = {1, {0, 510, 0}};
+    CHECK(worst_error(shading, pixels) <= 2);
+}
+
 TEST_CASE("black stays black and white stays white") {
     Shading shading = white_lamp({0, 0, 1});
     shading.surfaces = {{0, 0, 0}, {255, 255, 255}};
@@ -221,12 +267,16 @@ TEST_CASE("255 surfaces keep their colors") {
 TEST_CASE("normals of any length are safe, those of length 0 get the ambient light") {
     Shading shading = white_lamp({0.5F, 0.5F, 0.7F});
     shading.ambient = 0.5F;
+    shading.rims = {1};
     std::vector<Covered> pixels;
     for (int i = 0; i < pixel_count; ++i) {
         pixels.push_back({1, {i % 16 - 8, i / 16 - 8, 3}});
     }
     CHECK(worst_error(shading, pixels) <= 2);
+    shading.rims = {0.25F};
+    CHECK(worst_error(shading, pixels) <= 2);
     pixels.assign(pixel_count, {1, {0, 0, 0}});
+    shading.lights[0].intensity = 0.5F;
     CHECK(shade(shading, pixels)[0] == Color{100, 50, 25});
     pixels.assign(pixel_count, {1, {511, 511, 511}});
     CHECK(worst_error(shading, pixels) <= 2);
@@ -294,6 +344,8 @@ TEST_CASE("shadings out of range are refused with value and limit") {
     refused([](Shading& s) { s.specular_power = 0; }, "shading: specular power 0; must be 1..128");
     refused([](Shading& s) { s.specular_power = 129; },
             "shading: specular power 129; must be 1..128");
+    refused([](Shading& s) { s.rims = {0, 0}; }, "shading: 2 rims of 1 surfaces");
+    refused([](Shading& s) { s.rims = {1.5F}; }, "shading: rim 1.5; must be 0..1");
     refused([](Shading& s) { s.specular = 1.5F; }, "shading: specular 1.5; must be 0..1");
     refused([](Shading& s) { s.ambient = NAN; }, "shading: ambient nan; must not be negative");
     refused(

@@ -42,7 +42,7 @@ std::string refusal_of(const Spoil& spoil) {
 void planes(schema::DrawFrameT& m, std::size_t count,
             schema::SlicePlane plane = schema::SlicePlane(2, 4095, -1, 1)) {
     m.surfaces.assign(3, schema::SurfaceDraw(plane_surface_id, 0, schema::Rgb(), false,
-                                             SlabChoice::all, full_opacity, 0));
+                                             SlabChoice::all, full_opacity, 0, 0));
     m.planes.assign(count, plane);
 }
 
@@ -242,6 +242,9 @@ TEST_SUITE("ringbus/ranges") {
         CHECK_REFUSED(DrawFrameT, m.clip_planes[0] = schema::ClipPlane(0, 0, INFINITY, 0),
                       "clip plane is inf");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_opacity(17), "opacity is 17");
+        CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_rim(17), "rim is 17");
+        CHECK_REFUSED(DrawFrameT, (planes(m, 1), m.surfaces[2].mutate_rim(3)),
+                      "rim of a slice plane is 3, expected 0");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_detail(4),
                       "detail is 4, allowed are at most 3");
         CHECK_REFUSED(DrawFrameT, m.surfaces[0].mutate_slabs(static_cast<SlabChoice>(9)),

@@ -45,6 +45,7 @@ TEST_CASE("undo and redo go through every picture of a session, back and forth")
     Desk desk;
     std::vector<std::uint64_t> digests = {desk.digest()};
     for (const char* line : {"surface skin opacity=0.5",
+                             "surface skin rim=0.75",
                              "pick 80 70 set=bone",
                              "surface bone iso=400",
                              "components bone show=largest",

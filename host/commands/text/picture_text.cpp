@@ -146,6 +146,9 @@ std::string surface_text(const Surface& surface) {
     if (surface.opacity < full_opacity) {
         text += fmt::format(" opacity {:.6g}", static_cast<double>(surface.opacity) / full_opacity);
     }
+    if (surface.rim != 0) {
+        text += fmt::format(" rim {:.6g}", static_cast<double>(surface.rim) / max_rim);
+    }
     return text;
 }
 

@@ -72,9 +72,13 @@ void add_load(const Session& session, Lines& lines) {
 }
 
 Options style_of(const Surface& surface) {
-    return {{"color", color_word(surface.color)},
-            {"opacity", exact(static_cast<double>(surface.opacity) / full_opacity)},
-            {"visible", surface.visible ? "yes" : "no"}};
+    Options style = {{"color", color_word(surface.color)},
+                     {"opacity", exact(static_cast<double>(surface.opacity) / full_opacity)},
+                     {"visible", surface.visible ? "yes" : "no"}};
+    if (surface.rim != 0) {
+        style["rim"] = exact(static_cast<double>(surface.rim) / max_rim);
+    }
+    return style;
 }
 
 /// The option that selects components.

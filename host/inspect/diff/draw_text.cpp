@@ -48,9 +48,11 @@ NamedValues values_of(const schema::DrawFrame& draw) {
     add("background", draw.background() == nullptr ? "none" : text_of(*draw.background()));
     add_each(values, "surface", draw.surfaces(),
              [&](const std::string& name, const schema::SurfaceDraw& s) {
-                 add(name, fmt::format("id {}, revision {}, color {}, {}, detail {}", s.surface(),
-                                       s.revision(), text_of(s.color()),
-                                       s.cull_back() ? "front only" : "both sides", s.detail()));
+                 add(name,
+                     fmt::format("id {}, revision {}, color {}, {}, opacity {}, detail {}, rim {}",
+                                 s.surface(), s.revision(), text_of(s.color()),
+                                 s.cull_back() ? "front only" : "both sides", s.opacity(),
+                                 s.detail(), s.rim()));
              });
     add_each(values, "slice plane", draw.planes(),
              [&](const std::string& name, const schema::SlicePlane& p) {

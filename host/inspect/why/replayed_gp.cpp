@@ -86,6 +86,7 @@ std::vector<ShownSurface> surfaces_of(const RecordedRun& run, const RecordedFram
         s.detail = drawn->detail();
         s.slabs = drawn->slabs();
         s.opacity = drawn->opacity();
+        s.rim = drawn->rim();
         if (const auto* plane = bus::plane_at(frame.draw(), s.index)) {
             s.plane = gp::slice_plane_of(*plane);
             continue;

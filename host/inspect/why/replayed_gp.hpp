@@ -28,6 +28,7 @@ struct ShownSurface {
     int detail = 0;                       ///< Above 0: simplified.
     SlabChoice slabs{};                   ///< Which of them the frame draws.
     std::uint32_t opacity = 0;            ///< Sixteenths.
+    std::uint32_t rim = 0;                ///< Sixteenths.
     std::optional<double> isovalue;       ///< Nothing if its SetSurface is not recorded.
     CaseRule rule{};                      ///< If the isovalue is known.
     std::optional<gp::SlicePlane> plane;  ///< Set for a slice of the volume; then no isovalue.

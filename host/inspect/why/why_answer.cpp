@@ -128,6 +128,7 @@ Answer answer_of(const ShownSurface& s) {
         .data("color", s.color)
         .data("cull_back", s.cull_back)
         .data("opacity", s.opacity)
+        .data("rim", s.rim)
         .data_if("isovalue", s.isovalue);
     if (s.plane) {
         answer.data("slice", Fields{{"axis", std::string(1, "xyz"[s.plane->axis])},
@@ -153,6 +154,9 @@ std::string place_text(const WhyFinding& f, const PrimitiveFacts& shown) {
         text += fmt::format(
             "surface          {} in drawing order, id {}, revision {}, color #{:02x}{:02x}{:02x}",
             s.index, s.id, s.revision, s.color[0], s.color[1], s.color[2]);
+        text +=
+            s.opacity < full_opacity ? fmt::format(", opacity {}/{}", s.opacity, full_opacity) : "";
+        text += s.rim > 0 ? fmt::format(", rim {}/{}", s.rim, max_rim) : "";
         text += s.plane ? fmt::format(
                               ", slice {} {}, black at {:g}, white at {:g}; its normals are gray "
                               "values\n",

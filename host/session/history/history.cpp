@@ -16,7 +16,7 @@ constexpr const char* undo_word = "undo";
 bool same_parameters(const Surface& a, const Surface& b) {
     return a.name == b.name && a.isovalue == b.isovalue && a.table == b.table &&
            a.color == b.color && a.cull_back == b.cull_back && a.visible == b.visible &&
-           a.opacity == b.opacity && a.components == b.components &&
+           a.opacity == b.opacity && a.rim == b.rim && a.components == b.components &&
            a.compared_with == b.compared_with;
 }
 

@@ -74,7 +74,7 @@ std::unique_ptr<schema::ViewT> view_of(const CameraMatrices& camera, const Scene
 
 /// The entry of a slice plane in the list of surfaces: no surface of the scene has its id.
 schema::SurfaceDraw plane_entry() {
-    return {plane_surface_id, 0, schema::Rgb(), false, SlabChoice::all, full_opacity, 0};
+    return {plane_surface_id, 0, schema::Rgb(), false, SlabChoice::all, full_opacity, 0, 0};
 }
 
 }  // namespace
@@ -132,7 +132,8 @@ bus::Payload frame_request(const Scene& scene, const Stage& stage, std::uint32_t
         const Surface& surface = *drawn.surface;
         draw.surfaces.push_back(schema::SurfaceDraw(
             surface.id, surface.revision, to_wire(drawn.color), surface.cull_back, drawn.slabs,
-            static_cast<std::uint8_t>(surface.opacity), static_cast<std::uint8_t>(stage.detail)));
+            static_cast<std::uint8_t>(surface.opacity), static_cast<std::uint8_t>(stage.detail),
+            static_cast<std::uint8_t>(surface.rim)));
     }
     for (const ScenePlane& plane : stage.planes) {
         const auto& [width, level] = scene.planes_window;

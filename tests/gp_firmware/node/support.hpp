@@ -214,7 +214,7 @@ inline schema::DrawFrameT draw_frame(std::uint32_t frame, std::uint32_t revision
     d.specular_power = 10;
     d.background = std::make_unique<schema::Rgb>();
     d.surfaces.emplace_back(std::uint16_t{4}, revision, schema::Rgb(), false, SlabChoice::all,
-                            full_opacity, std::uint8_t{0});
+                            full_opacity, std::uint8_t{0}, std::uint8_t{0});
     return d;
 }
 

@@ -69,7 +69,7 @@ TEST_SUITE("gp/node counts") {
         for (const bool cull_back : {false, true}) {
             schema::DrawFrameT draw = counted_frame();
             draw.surfaces[0] = schema::SurfaceDraw(4, 1, schema::Rgb(), cull_back, SlabChoice::all,
-                                                   full_opacity, 0);
+                                                   full_opacity, 0, 0);
             const auto gps = run_machine({3, 2}, draw);
             Sums all;
             std::uint32_t emitted = 0;

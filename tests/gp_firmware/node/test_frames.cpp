@@ -13,7 +13,7 @@ namespace {
 schema::DrawFrameT plane_frame(std::uint8_t axis, std::uint32_t index) {
     schema::DrawFrameT draw = draw_frame(9, 0);
     draw.surfaces.assign(1, schema::SurfaceDraw(plane_surface_id, 0, schema::Rgb(), false,
-                                                SlabChoice::all, full_opacity, 0));
+                                                SlabChoice::all, full_opacity, 0, 0));
     draw.planes.assign(1, schema::SlicePlane(axis, index, 0, 255));
     return draw;
 }

@@ -101,7 +101,8 @@ class RecordedSurface {
         draw.background = std::make_unique<bus::schema::Rgb>(1, 2, 3);
         for (const std::uint16_t id : surfaces_) {
             draw.surfaces.emplace_back(id, 1U, bus::schema::Rgb(200, 150, 100), false,
-                                       SlabChoice::all, full_opacity, std::uint8_t{0});
+                                       SlabChoice::all, full_opacity, std::uint8_t{0},
+                                       std::uint8_t{0});
         }
         if (change) {
             change(draw);

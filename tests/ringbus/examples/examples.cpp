@@ -253,10 +253,10 @@ schema::DrawFrameT example_draw() {
     draw.specular_power = 20;
     draw.background = std::make_unique<schema::Rgb>(1, 2, 3);
     draw.surfaces.push_back(schema::SurfaceDraw(1, 2, schema::Rgb(9, 8, 7), true,
-                                                SlabChoice::outside_gaps, full_opacity, 2));
+                                                SlabChoice::outside_gaps, full_opacity, 2, 5));
     draw.clip_planes.push_back(schema::ClipPlane(1, 0, 0, -5));
     draw.surfaces.push_back(schema::SurfaceDraw(plane_surface_id, 0, schema::Rgb(), false,
-                                                SlabChoice::all, full_opacity, 0));
+                                                SlabChoice::all, full_opacity, 0, 0));
     draw.planes.push_back(schema::SlicePlane(2, 5, -160, 240));
     draw.read_back = true;
     draw.read_depths = true;

@@ -16,7 +16,7 @@ BIN = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else "build/release/bin"
 ARCHIVE = pathlib.Path(__file__).resolve().parents[3] / "host/phigs/archives/molecule.phigs"
 LIMIT_S = 120
 TWO_OF_EACH = ("--set", "gp.count=2", "--set", "renderer.count=2")
-SCENE = ("load phantom:pelvis", "surface skin iso=-300 opacity=0.5", "surface bone iso=250",
+SCENE = ("load phantom:pelvis", "surface skin iso=-300 opacity=0.5 rim=0.5", "surface bone iso=250",
          "components bone show=largest", "view 30 20 zoom=1.5", "clip L 10", "planes z=20 y=60",
          "light 1 off",
          "background white", "size 200x160", "antialias 4")

@@ -37,9 +37,10 @@ class Dice(random.Random):
     def surface(self, name, isovalues):
         line = f"surface {name} iso={self.number(*isovalues)}"
         options = [f" opacity={self.number(0.05, 1)}", f" color=#{self.getrandbits(24):06x}",
-                   " visible=no", " table=lorensen1987", " table=asymptotic"]
-        return line + "".join(option for option in options[:2] if self.random() < 0.5) + (
-            self.choice(options[2:]) if self.random() < 0.3 else "")
+                   f" rim={self.number(0, 1)}", " visible=no", " table=lorensen1987",
+                   " table=asymptotic"]
+        return line + "".join(option for option in options[:3] if self.random() < 0.5) + (
+            self.choice(options[3:]) if self.random() < 0.3 else "")
 
     def pixel(self):
         return f"{self.randrange(58, 92)} {self.randrange(42, 68)}"
@@ -62,7 +63,8 @@ class Dice(random.Random):
             f"material ambient={number(0, 1)} specular={number(0, 1)} power={self.randrange(1, 9)}",
             f"background #{self.getrandbits(24):06x}", "overlay off", "overlay on", "antialias 4",
             f"surface {a} opacity={number(0.05, 1)}", f"surface {a} visible=no",
-            f"surface {a} visible=yes", self.surface(a, isovalues), f"remove {b}",
+            f"surface {a} rim={number(0, 1)}", f"surface {a} visible=yes",
+            self.surface(a, isovalues), f"remove {b}",
             f"components {a} show=largest", f"components {a} min_mm2={number(0, 9000)}",
             f"components {a} min_ml={number(0, 20)}",
             f"components {a} at={self.randrange(50, 100)},{self.randrange(40, 70)}",
