@@ -52,6 +52,10 @@ test('undo takes opacity, visibility and light back one change at a time', async
   await set(() => byId('surface-opacity-skin').fill('0.75'), 'opacity', 0.75);
   await set(() => byId('surface-opacity-skin').fill('0.25'), 'opacity', 0.25);
   await set(() => byId('undo').click(), 'opacity', 0.75);
+  // The slider keeps the focus, and follows all the same.
+  await set(() => byId('surface-opacity-skin').fill('0.5'), 'opacity', 0.5);
+  await set(() => page.keyboard.press('Control+z'), 'opacity', 0.75);
+  assert.equal(await byId('surface-opacity-skin').inputValue(), '0.75');
 
   await set(() => byId('surface-visible-skin').uncheck(), 'visible', false);
   await set(() => byId('surface-visible-skin').check(), 'visible', true);

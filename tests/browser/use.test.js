@@ -168,8 +168,10 @@ test('surfaces: add a tissue, color, opacity, hide, parts, certificate, remove',
                                "muscle.color === '#3060f0'");
   const seen = await muscle(() => byId('surface-opacity-muscle').fill('0.5'),
                             'muscle.opacity === 0.5');
+  const rimmed = await muscle(() => byId('surface-rim-muscle').fill('0.75'),
+                              'muscle.rim === 0.75');
   const hidden = await muscle(() => byId('surface-visible-muscle').uncheck(), '!muscle.visible');
-  const digests = [added, colored, seen, hidden].map(({ digest }) => digest);
+  const digests = [added, colored, seen, rimmed, hidden].map(({ digest }) => digest);
   assert.equal(new Set(digests).size, digests.length, 'each change shows');
 
   await byId('choose-bone').click();

@@ -86,6 +86,7 @@ TEST_CASE("the whole scene is put back after a death") {
     Theatre stage;
     const std::vector<std::string> lines = {"view 30 20 zoom=1.5 roll=10 pan=3,4",
                                             "surface sphere iso=0.25 color=red opacity=0.5",
+                                            "surface sphere rim=0.25",
                                             "light 1 off",
                                             "material ambient=0.3",
                                             "background white",
@@ -121,6 +122,7 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK_FALSE(part.has_value());
     CHECK(frame == before.frame);
     CHECK(surfaces.size() == before.surfaces.size());
+    CHECK(surfaces.at(0).rim == 4);
     CHECK(clips == before.clips);
     CHECK(planes == before.planes);
     CHECK(planes_window == before.planes_window);

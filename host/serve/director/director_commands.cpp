@@ -21,8 +21,10 @@ namespace {
 
 constexpr std::string_view download_prefix = "download:";
 constexpr std::size_t max_name_bytes = 120;
-/// Opacity of a surface around others, so that the first picture shows both.
-constexpr const char* see_through = "0.35";
+/// Opacity of a surface around others, so that the first picture shows both, and its rim, so that
+/// its outline is seen.
+constexpr const char* see_through = "0.25";
+constexpr const char* seen_rim = "0.75";
 
 /// A file's name without a path. Throws RequestError.
 void check_name(const std::string& name) {
@@ -287,6 +289,7 @@ void Director::show_first_surfaces() {
         }
         if (each.seen_through) {
             command.options["opacity"] = see_through;
+            command.options["rim"] = seen_rim;
         }
         run_command(*session_, command);
     }

@@ -107,6 +107,7 @@ SurfaceState surface_state(const Session& session, const Surface& surface) {
     state.color = color_text(surface.color);
     state.visible = surface.visible;
     state.opacity = static_cast<double>(surface.opacity) / full_opacity;
+    state.rim = static_cast<double>(surface.rim) / max_rim;
     state.table = enum_name(surface.table);
     state.components = filter_text(surface.components);
     state.triangles = report.triangles;

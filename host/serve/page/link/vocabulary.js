@@ -30,6 +30,7 @@ export const LIMITS = Object.freeze({
   max_picture_px: 8192,
   max_views: 2,
   max_clip_planes: 16,
+  max_rim: 16,
   max_slice_planes: 3,
   plane_surface_id: 65535,
   max_scene_slab: 1048576,
@@ -193,6 +194,7 @@ export function readAnswerHeader(view) {
  * @property {string} color  #rrggbb
  * @property {boolean} visible
  * @property {number} opacity  0 .. 1
+ * @property {number} rim  0 .. 1: light at its edges
  * @property {string} table  a CaseRule
  * @property {string} components  the filter as `components` takes it
  * @property {number} triangles

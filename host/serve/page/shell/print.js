@@ -18,7 +18,8 @@ export function createPrint(app) {
       swatch.style.backgroundColor = each.color;
       return h('li', {class: 'row'}, swatch, h('b', {}, each.name),
         say`isovalue ${`${short(each.isovalue, 3)} ${unit()}`.trim()}`,
-        each.opacity < 1 && `, ${say`opacity ${percent(each.opacity)}`}`);
+        each.opacity < 1 && `, ${say`opacity ${percent(each.opacity)}`}`,
+        each.rim > 0 && `, ${say`edge light ${percent(each.rim)}`}`);
     }));
   });
   app.measures.watch(() => {

@@ -2,7 +2,7 @@
 import {DATA, ENGLISH, h} from '../elements/dom.js';
 import {grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
-import {gesture} from '../panel/gesture.js';
+import {gesture, mayBeOld} from '../panel/gesture.js';
 import {plural, say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -15,12 +15,14 @@ const LEAST_ML = [0.1, 1, 10, 100];
 const ISO_DIGITS = 7;  // Significant digits of an isovalue in its field.
 
 /**
- * Shows a value unless the user is editing the field.
+ * Shows a value unless the user is editing the field. A slider keeps the focus when the user has
+ * moved it, and shows what follows, for example an undo.
  * @param {HTMLInputElement | HTMLSelectElement} input
  * @param {string} value
  */
 export function show(input, value) {
-  if (document.activeElement !== input || input.type === 'checkbox') {
+  if (document.activeElement !== input || input.type === 'checkbox' ||
+      (input.type === 'range' && !mayBeOld(input, value))) {
     input.value = value;
   }
 }
@@ -96,6 +98,12 @@ export class SurfaceCard {
     /** @private */
     this.opacityText_ = h('span', {class: 'number muted amount'});
     /** @private */
+    this.rim_ = h('input', {type: 'range', min: 0, max: 1, step: 0.0625,
+      'aria-label': say`Edge light of ${name}`, 'data-testid': `surface-rim-${name}`,
+      ...gesture(app.connection, () => set({rim: this.rim_.value}))});
+    /** @private */
+    this.rimText_ = h('span', {class: 'number muted amount'});
+    /** @private */
     this.parts_ = this.makeParts_();
     /** @private */
     this.facts_ = h('p', {class: 'muted number figures',
@@ -117,6 +125,9 @@ export class SurfaceCard {
     this.more_ = h('div', {class: 'more', id: `${id}-more`},
       h('label', {class: 'row'}, h('span', {class: 'field'}, say`Opacity`), this.opacity_,
         this.opacityText_),
+      h('label', {class: 'row',
+        title: say`Light at the edges, where the surface turns away (option rim)`},
+        h('span', {class: 'field'}, say`Edge light`), this.rim_, this.rimText_),
       h('label', {class: 'row'}, h('span', {class: 'field'}, say`Parts`), this.parts_),
       this.facts_, this.legend_, this.certificate_,
       h('div', {class: 'row'}, this.compare_, h('span', {class: 'grow'}),
@@ -148,6 +159,8 @@ export class SurfaceCard {
     this.iso_.title = String(surface.isovalue);
     show(this.opacity_, String(surface.opacity));
     this.opacityText_.textContent = percent(surface.opacity);
+    show(this.rim_, String(surface.rim));
+    this.rimText_.textContent = percent(surface.rim);
     this.facts_.textContent = surface.triangles === 0
       ? nothingAt(surface.isovalue, this.app_.store.state?.volume) : sizes(surface);
     // Files of an open mesh have no volume, so the card says what it counts.

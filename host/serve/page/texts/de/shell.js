@@ -154,6 +154,7 @@ export default {
   'at {0}': 'bei {0}',
   'Measurements': 'Messungen',
   'opacity {0}': 'Deckkraft {0}',
+  'edge light {0}': 'Kantenlicht {0}',
   'Isovalues, clip planes, light and material': 'Schwellenwerte, Schnittebenen, Licht und Material',
   'Three slices of the scan': 'Drei Schichten der Aufnahme',
   'Distances, angles, paths, regions': 'Strecken, Winkel, Pfade, Bereiche',
