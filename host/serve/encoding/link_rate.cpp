@@ -10,7 +10,8 @@ constexpr std::size_t kept_pings = 60;
 constexpr double forgetting = 0.8;      // Weight of the previous estimate at a new measurement.
 constexpr double least_time_ms = 0.05;  // Resolution of the clock; keeps a rate finite.
 constexpr double longest_ms = 1000;     // A hidden tab displays no frames for minutes.
-constexpr double margin = 0.8;          // To improve, a frame must fit this part of the budget.
+constexpr double stalled_ms = 2000;
+constexpr double margin = 0.8;  // To improve, a frame must fit this part of the budget.
 
 struct Step {
     JpegQuality quality;
@@ -76,6 +77,11 @@ void LinkRate::shown(std::uint32_t number, double now_ms, double since_arrival_m
     }
     last_arrived_ms_ = std::max(last_arrived_ms_, arrived_ms);
     last_shown_ms_ = now_ms;
+}
+
+bool LinkRate::is_stalled(double now_ms) const {
+    return !flying_.empty() &&
+           now_ms - std::max(flying_.front().sent_ms, last_shown_ms_) > stalled_ms;
 }
 
 bool LinkRate::uses_video(std::size_t full_pixels, bool takes_video) {

@@ -36,6 +36,8 @@ class LinkRate {
     void shown(std::uint32_t number, double now_ms, double since_arrival_ms = 0);
 
     std::size_t unacknowledged() const { return flying_.size(); }
+    /// Whether the oldest frame under way has not been displayed for more than 2 s.
+    bool is_stalled(double now_ms) const;
     /// Bytes a second until they are displayed; 0 while nothing is known.
     double bytes_per_s() const { return to_screen_.bytes_per_s(); }
 

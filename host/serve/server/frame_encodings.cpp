@@ -24,9 +24,8 @@ Shown flat(const Shown& shown) {
     return one;
 }
 
-Shown smaller(Shown shown, double scale) {
+Shown smaller(Shown shown, const Size& to, double scale) {
     const Size from{shown.width, shown.height};
-    const Size to = moving_size(from, scale / shown.scale);
     shown.width = to.width;
     shown.height = to.height;
     shown.scale = scale;
@@ -37,6 +36,17 @@ Shown smaller(Shown shown, double scale) {
     return shown;
 }
 
+/// The value of the key in the map. It is made if it is not there, and not kept if that fails.
+template <typename Map, typename Make>
+const auto& made(Map& map, const typename Map::key_type& key, const SharedWords& words,
+                 const Make& make) {
+    auto found = map.find(key);
+    if (found == map.end()) {
+        found = map.insert({key, {words, make()}}).first;
+    }
+    return found->second.made;
+}
+
 }  // namespace
 
 void FrameEncodings::begin(const NewestFrame& frame) {
@@ -44,51 +54,53 @@ void FrameEncodings::begin(const NewestFrame& frame) {
         return;
     }
     sequence_ = frame.sequence;
-    forms_.clear();
+    flat_.clear();
+    smaller_.clear();
     pictures_.clear();
-    std::erase_if(depths_, [place = frame.shown.depths.data()](const auto& packed) {
-        return packed.first != place;
+    const Place kept = frame.shown.depths.data();
+    const Place kept_layers = frame.layers ? frame.layers->depths.data() : nullptr;
+    std::erase_if(depths_, [&](const auto& packed) {
+        return packed.first != kept && packed.first != kept_layers;
     });
 }
 
-const Shown& FrameEncodings::form_of(const Shown& shown, bool with_depths, double scale) {
-    const bool is_smaller = !shown.rests && !shown.fixed_size && scale < shown.scale;
-    const bool is_flat = !with_depths && (shown.as_one || !shown.depths.empty());
-    if (!is_smaller && !is_flat) {
+const Shown& FrameEncodings::form_of(const Shown& shown, bool with_depths) {
+    if (with_depths || (!shown.as_one && shown.depths.empty())) {
         return shown;
     }
-    auto& [words, form] = forms_[{shown.pixels.data(), is_flat, is_smaller ? scale : shown.scale}];
-    if (words.empty()) {
-        words = shown.pixels;
-        form = is_flat ? flat(shown) : shown;
-        form = is_smaller ? smaller(std::move(form), scale) : std::move(form);
+    return made(flat_, shown.pixels.data(), shown.pixels, [&] { return flat(shown); });
+}
+
+const Shown& FrameEncodings::in_size(const Shown& form, double scale) {
+    if (form.rests || form.fixed_size || scale >= form.scale) {
+        return form;
     }
-    return form;
+    const Size from{form.width, form.height}, to = moving_size(from, scale / form.scale);
+    if (to == from) {
+        return form;
+    }
+    return made(smaller_, {form.pixels.data(), scale}, form.pixels,
+                [&] { return smaller(form, to, scale); });
 }
 
 const std::string& FrameEncodings::pictures(const Shown& form,
                                             const std::optional<JpegQuality>& quality) {
-    auto& [words, bytes] = pictures_[{form.pixels.data(), quality}];
-    if (words.empty()) {
-        words = form.pixels;
+    return made(pictures_, {form.pixels.data(), quality}, form.pixels, [&] {
         const int height = form.pictures() * form.height;
-        bytes = quality ? jpeg_of(form.width, height, form.pixels, *quality)
-                        : png_of(form.width, height, form.pixels);
-    }
-    return bytes;
+        return quality ? jpeg_of(form.width, height, form.pixels, *quality)
+                       : png_of(form.width, height, form.pixels);
+    });
 }
 
 const std::string& FrameEncodings::depths(const Shown& form) {
-    auto& [words, packed] = depths_[form.depths.data()];
-    if (words.empty()) {
-        words = form.depths;
+    return made(depths_, form.depths.data(), form.depths, [&] {
         try {
-            packed = packed_stack(form.width, form.height, form.pictures(), form.depths);
+            return packed_stack(form.width, form.height, form.pictures(), form.depths);
         } catch (const std::exception& error) {  // A picture without depths is better than none.
             print_notice("warning", fmt::format("pictures have no depths: {}", error.what()));
+            return std::string();
         }
-    }
-    return packed;
+    });
 }
 
 }  // namespace pxpl5::host::serve

@@ -5,7 +5,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "host/base/shared_words.hpp"
@@ -14,19 +13,22 @@
 
 namespace pxpl5::host::serve {
 
-/// Makes each form and each encoding once, when the first viewer needs it. What it returns is valid
+/// Makes each form and each encoding once, when the first viewer needs it. References are valid
 /// until the next frame.
 class FrameEncodings {
   public:
-    /// Forgets what belongs to another frame. Refinements of a picture share its packed depths.
+    /// Forgets what belongs to another frame. Refinements of a picture share its packed depths, and
+    /// those of its layers.
     void begin(const NewestFrame& frame);
 
-    /// The frame as a viewer gets it: `shown` itself or a copy that differs.
+    /// The frame itself, with `with_depths`. Otherwise all its pictures are one, and the depths are
+    /// left out.
+    const Shown& form_of(const Shown& shown, bool with_depths);
+    /// The form in the size that a viewer's connection carries: the form itself, or a smaller copy
+    /// if it moves, is larger, and need not keep its size.
     ///
-    /// with_depths  Otherwise all pictures of the frame are one, and the depths are left out.
-    /// scale        That the viewer's connection carries, relative to the picture at rest. A frame
-    ///              that moves and is larger is made smaller, unless it must keep its size.
-    const Shown& form_of(const Shown& shown, bool with_depths, double scale);
+    /// scale  Relative to the picture at rest.
+    const Shown& in_size(const Shown& form, double scale);
 
     /// The pictures as a JPEG; no quality: as a PNG.
     const std::string& pictures(const Shown& form, const std::optional<JpegQuality>& quality);
@@ -34,7 +36,7 @@ class FrameEncodings {
     const std::string& depths(const Shown& form);
 
   private:
-    /// Something that was made of words. It keeps them, so that no others come to lie in their
+    /// A thing that was made of words, with the words, so that no others come to lie in their
     /// place.
     template <typename Made>
     struct Of {
@@ -44,7 +46,8 @@ class FrameEncodings {
     using Place = const std::uint32_t*;  ///< Place of the pixels or depths.
 
     std::uint64_t sequence_ = 0;
-    std::map<std::tuple<Place, bool, double>, Of<Shown>> forms_;
+    std::map<Place, Of<Shown>> flat_;
+    std::map<std::pair<Place, double>, Of<Shown>> smaller_;
     std::map<std::pair<Place, std::optional<JpegQuality>>, Of<std::string>> pictures_;
     std::map<Place, Of<std::string>> depths_;
 };

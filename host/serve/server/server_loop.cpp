@@ -131,9 +131,26 @@ void Loop::deliver() {
     advise();
 }
 
-double Loop::scale_for(Viewer& viewer) const {
-    const auto layers = viewer.wants_depths ? moving_layers_ : 1;
-    return resting_pixels_ > 0 ? viewer.link.scale(layers * resting_pixels_) : 1;
+double Loop::scale_for(Viewer& viewer, const Shown& form) {
+    const double whole = static_cast<double>(form.pixels.size()) / (form.scale * form.scale);
+    return form.rests ? 1 : viewer.link.scale(static_cast<std::size_t>(whole));
+}
+
+/// A driver who has not acknowledged a frame for a long time, as in a hidden tab, counts only if
+/// all are like that.
+double Loop::advised_scale() {
+    double fastest = 0, of_all = 0;
+    for (auto& [connection, socket] : sockets_) {
+        Viewer& viewer = socket.viewer;
+        if (socket.joined && viewer.role == Role::driver &&
+            viewer.number != mail_.wearer().viewer) {
+            const auto layers = viewer.wants_depths ? moving_layers_ : 1;
+            const double scale = viewer.link.scale(layers * resting_pixels_);
+            of_all = std::max(of_all, scale);
+            fastest = viewer.link.is_stalled(now_ms()) ? fastest : std::max(fastest, scale);
+        }
+    }
+    return fastest > 0 ? fastest : of_all > 0 ? of_all : 1;
 }
 
 void Loop::advise() {
@@ -143,7 +160,6 @@ void Loop::advise() {
     wants.frame_sequence = newest->sequence;
     wants.pair_sequence = newest_pair->sequence;
     LinkAdvice& advice = wants.advice;
-    std::optional<double> fastest;
     for (auto& [connection, socket] : sockets_) {
         Viewer& viewer = socket.viewer;
         if (!socket.joined) {
@@ -157,11 +173,10 @@ void Loop::advise() {
         }
         wants.frame = wants.frame || viewer.wants_newer(*newest);
         advice.wants_depths = advice.wants_depths || viewer.wants_depths;
-        if (viewer.role == Role::driver) {
-            fastest = std::max(fastest.value_or(0), scale_for(viewer));
-        }
     }
-    advice.scale = fastest.value_or(advice.scale);
+    if (resting_pixels_ > 0) {
+        advice.scale = advised_scale();
+    }
     mail_.advise(wants);
 }
 

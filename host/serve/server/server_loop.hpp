@@ -90,10 +90,13 @@ class Loop {
     int on_writable(lws* connection, Socket& socket);
     int on_timer(lws* connection, Socket& socket);
     int send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame);
-    /// Size of moving frames for that viewer, relative to resting frames, by its connection.
-    double scale_for(Viewer& viewer) const;
+    /// Size that the viewer's connection carries of a moving frame, relative to the resting one.
+    static double scale_for(Viewer& viewer, const Shown& form);
+    /// Size of moving frames by the fastest connection of a driver who takes frames.
+    double advised_scale();
     /// The pictures in the encoding that suits the viewer's link.
     Encoded encoded_for(Viewer& viewer, const Shown& form, std::size_t depth_bytes);
+    Encoded preview_of(const Shown& form);
     /// Encodes into video_frame_. False if that fails; the viewer then gets no video any more.
     bool encode_video(Viewer& viewer, const Shown& form, std::size_t depth_bytes);
     bool has_place_for_video(const Viewer& viewer) const;

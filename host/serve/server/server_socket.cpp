@@ -4,7 +4,6 @@
 #include <strings.h>
 
 #include <algorithm>
-#include <chrono>
 #include <initializer_list>
 #include <vector>
 
@@ -23,12 +22,6 @@ constexpr double silent_ms = 10'000;      // The same, of a driver whose place a
 // discarded. A message to a closed socket would cause a reset, which would overtake the reason.
 constexpr lws_usec_t farewell = LWS_USEC_PER_SEC / 5;
 constexpr int close_timeout_seconds = 5;  // Limit for viewers that are never silent.
-
-double now_ms() {
-    return std::chrono::duration<double, std::milli>(
-               std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 /// Sends the parts with libwebsockets' room before them. Returns -1 if the connection is lost.
 int write_message(lws* connection, std::initializer_list<std::string_view> parts,
@@ -248,27 +241,38 @@ int Loop::on_writable(lws* connection, Socket& socket) {
 int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) {
     const Shown& shown = *viewer.next_of(frame);
     encodings_.begin(frame);
-    const double scale = shown.viewer == 0 ? scale_for(viewer) : shown.scale;
+    const auto form_for = [&](bool with_depths) {
+        const Shown& form = encodings_.form_of(shown, with_depths);
+        return shown.viewer == 0 ? &encodings_.in_size(form, scale_for(viewer, form)) : &form;
+    };
     const bool has_depths = (viewer.wants_depths || shown.viewer != 0) && !shown.depths.empty();
-    const Shown* form = &encodings_.form_of(shown, has_depths, scale);
-    const std::string_view depths = has_depths ? encodings_.depths(*form) : std::string_view();
-    if (depths.empty()) {
-        form = &encodings_.form_of(shown, false, scale);
+    const Shown* form = form_for(has_depths);
+    std::string_view depths = has_depths ? encodings_.depths(*form) : std::string_view();
+    if (has_depths && depths.empty()) {
+        form = form_for(false);
     }
-    const Encoded picture = encoded_for(viewer, *form, depths.size());
+    Encoded picture = encoded_for(viewer, *form, depths.size());
+    const bool is_preview =
+        shown.rests && !viewer.has_had_frames() && picture.bytes.size() > preview_above_bytes;
+    if (is_preview) {
+        picture = preview_of(*form);
+        depths = {};
+    }
     FrameHeader header;
-    header.number = viewer.count_frame(frame);
+    header.number = is_preview ? viewer.count_preview() : viewer.count_frame(frame);
     header.revision = shown.revision;
     header.width = static_cast<std::uint16_t>(form->width);
     header.height = static_cast<std::uint16_t>(form->height);
     header.kind = picture.kind;
     header.quality = static_cast<std::uint8_t>(picture.quality);
     header.samples = static_cast<std::uint8_t>(shown.samples);
-    header.flags = static_cast<std::uint8_t>((shown.rests ? +FrameFlag::rests : 0) |
-                                             (shown.last ? +FrameFlag::last : 0) | picture.flags);
+    const bool is_whole = shown.rests && !is_preview;
+    header.flags =
+        static_cast<std::uint8_t>((is_whole ? +FrameFlag::rests : 0) |
+                                  (is_whole && shown.last ? +FrameFlag::last : 0) | picture.flags);
     header.machine_ms = shown.machine_ms;
     header.moved_mm = shown.moved_mm;
-    header.digest = shown.digest;
+    header.digest = is_preview ? 0 : shown.digest;
     header.picture_bytes = static_cast<std::uint32_t>(picture.bytes.size());
     header.depth_bytes = static_cast<std::uint32_t>(depths.size());
     header.pose = shown.pose;
@@ -279,6 +283,12 @@ int Loop::send_frame(lws* connection, Viewer& viewer, const NewestFrame& frame) 
     viewer.link.sent(header.number, bytes, now_ms(), picture.kind);
     return write_message(connection, {frame_header(header), picture.bytes, depths},
                          LWS_WRITE_BINARY);
+}
+
+/// A JPEG of a resting picture: over a slow link it comes long before the picture itself.
+Loop::Encoded Loop::preview_of(const Shown& form) {
+    constexpr JpegQuality quality;
+    return {PictureKind::jpeg, encodings_.pictures(form, quality), quality.quality};
 }
 
 /// The pairs of a headset are no video: the page warps them, and drops late ones undecoded.

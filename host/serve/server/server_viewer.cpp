@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <nlohmann/json.hpp>
 
 namespace pxpl5::host::serve {
@@ -29,6 +30,12 @@ std::optional<bool> only_bool(const std::string& text, const std::string& key) {
 }
 
 }  // namespace
+
+double now_ms() {
+    return std::chrono::duration<double, std::milli>(
+               std::chrono::steady_clock::now().time_since_epoch())
+        .count();
+}
 
 std::optional<std::string> Viewer::hear(std::string_view part, bool is_final, double now_ms) {
     if (heard_.size() + part.size() > max_text_bytes) {

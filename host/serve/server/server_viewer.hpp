@@ -22,6 +22,8 @@ inline constexpr double messages_per_second = 400;            // Of a viewer, on
 inline constexpr double messages_at_once = 800;
 inline constexpr std::size_t max_waiting_bytes = 8U << 20U;  // For a viewer.
 inline constexpr std::size_t max_unacknowledged_frames = 2;  // One on its way, one displayed.
+/// A viewer's first picture, if it rests and has more bytes, follows a preview of its own.
+inline constexpr std::size_t preview_above_bytes = 64U << 10U;
 
 /// A WebSocket's close code with its sentence of at most 123 bytes. Source: RFC 6455, 7.4.
 struct CloseReason {
@@ -29,7 +31,10 @@ struct CloseReason {
     std::string text;
 };
 
-/// Times are milliseconds of one clock.
+/// Milliseconds of the clock that the times of viewers are of. It never goes back.
+double now_ms();
+
+/// Times are those of now_ms().
 class Viewer {
   public:
     Viewer(std::uint32_t its_number, Role its_role) : number(its_number), role(its_role) {}
@@ -64,6 +69,9 @@ class Viewer {
     bool wants_newer(const NewestFrame& frame) const;
     /// Notes that next_of(frame) goes out now; returns its number for this viewer.
     std::uint32_t count_frame(const NewestFrame& frame);
+    bool has_had_frames() const { return frames_ > 0; }
+    /// The number of a preview of next_of(frame), which still goes out itself afterwards.
+    std::uint32_t count_preview() { return ++frames_; }
 
   private:
     bool has_room() const;

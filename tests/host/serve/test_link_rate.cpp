@@ -285,4 +285,18 @@ TEST_CASE("depths that fill a slow link make video frames smaller") {
     CHECK(drive(2e5, 10, crowded).scale == 0.5);
 }
 
+TEST_CASE("a link is stalled when a frame has been under way for 2 s, whatever came before") {
+    LinkRate rate;
+    CHECK_FALSE(rate.is_stalled(1e9));
+    rate.sent(1, 1000, 0);
+    CHECK_FALSE(rate.is_stalled(1999));
+    CHECK(rate.is_stalled(2001));
+    rate.sent(2, 1000, 2000);
+    rate.shown(1, 2500);
+    CHECK_FALSE(rate.is_stalled(4499));
+    CHECK(rate.is_stalled(4501));
+    rate.shown(2, 5000);
+    CHECK_FALSE(rate.is_stalled(1e9));
+}
+
 }  // namespace pxpl5::host::serve

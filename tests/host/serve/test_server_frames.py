@@ -153,53 +153,83 @@ class Frames(Case):
         kinds = [head["kind"] for head in heads]
         self.assertEqual((sorted(kinds[:2]), kinds[2]), ([1, 3], 3))
 
-    def slow(self, asker, viewer, **more):
-        """The last head and bytes of several moving frames that take their time to the viewer."""
-        for revision in range(2, 8):
-            self.show(asker, revision, size=(640, 480), **more)
-            head, bytes_ = self.frame(viewer)
-            self.take_time()
+    def test_a_large_first_picture_follows_a_preview(self):
+        jpeg, png, rests = 1, 2, 1
+        viewer = self.join()
+        self.show(viewer, 7, rests=True, size=(640, 480))
+        heads = [self.frame(viewer)[0] for _ in range(2)]
+        self.assertEqual([(head["number"], head["revision"], head["kind"], head["flags"],
+                           head["digest"]) for head in heads],
+                         [(1, 7, jpeg, 0, 0), (2, 7, png, rests, 7)])
+        self.assertLess(heads[0]["picture_bytes"], heads[1]["picture_bytes"] / 2)
+        self.shown(viewer, 2)
+        self.show(viewer, 8, rests=True, size=(640, 480))
+        self.assertEqual(self.frame(viewer)[0]["kind"], png)
+
+    def join_at_rest(self, quick, slow):
+        """Both have had a resting picture, and acknowledge it."""
+        self.show(quick, 1, rests=True, size=(640, 480))
+        for viewer in (quick, slow):
+            for _ in range(2):
+                head, _ = self.frame(viewer)
             self.shown(viewer, head["number"])
-        return head, bytes_
+
+    def move(self, quick, slow, **more):
+        """Several moving frames, which take their time to `slow`: the last to each of both."""
+        for revision in range(2, 8):
+            self.show(quick, revision, size=(640, 480), **more)
+            quick_head, _ = self.frame(quick)
+            self.shown(quick, quick_head["number"])
+            head, bytes_ = self.frame(slow)
+            self.take_time()
+            self.shown(slow, head["number"])
+        return quick_head, head, bytes_
+
+    def size_of(self, head):
+        return head["width"], head["height"]
 
     def test_a_viewer_on_a_slow_link_gets_smaller_moving_pictures_than_others(self):
         quick, watcher = self.join(), self.join(self.server.watch_url)
-        self.show(quick, 1, rests=True, size=(640, 480))
-        self.shown(watcher, self.frame(watcher)[0]["number"])
-        self.frame(quick)  # It acknowledges nothing, so its link is not known to be slow.
-        head, _ = self.slow(quick, watcher)
-        self.assertEqual((head["width"], head["height"]), (320, 240))
-        head, _ = self.frame(quick)
-        self.assertEqual((head["revision"], head["width"], head["height"]), (2, 640, 480))
-        self.assertEqual(self.ask(quick, wants=0)["scale"], 1)
-        # Depths get the size of the picture, and two layers become one.
-        head, _ = self.slow(quick, watcher, depths=True, layers=True)
-        self.assertEqual((head["width"], head["height"], head["layers"]), (320, 240, 1))
-        watcher.send('{"depths":true}')
-        self.sync(watcher)
-        head, bytes_ = self.slow(quick, watcher, depths=True)
-        self.assertEqual((head["width"], head["height"]), (320, 240))
-        lean = zlib.decompress(bytes_[head["picture_bytes"] + 4:], wbits=-15)
-        self.assertEqual(len(lean), 320 * 240 // 8 + 2 * 81 * 61 + 80 * 60 // 8)
-        # What rests has its full size, and so have the rows of a monitor.
-        head, _ = self.slow(quick, watcher, fixed=True)
-        self.assertEqual((head["width"], head["height"]), (640, 480))
+        self.join_at_rest(quick, watcher)
+        quick_head, head, _ = self.move(quick, watcher)
+        self.assertEqual(self.size_of(head), (320, 240))
+        self.assertGreater(quick_head["width"], 320)
+        # Two layers become one, in the same size.
+        _, head, _ = self.move(quick, watcher, depths=True, layers=True)
+        self.assertEqual((*self.size_of(head), head["layers"]), (320, 240, 1))
+        # The rows of a monitor and what rests have their full size.
+        _, head, _ = self.move(quick, watcher, fixed=True)
+        self.assertEqual(self.size_of(head), (640, 480))
         self.show(quick, 9, rests=True, size=(640, 480))
         head, _ = self.frame(watcher)
-        self.assertEqual((head["flags"], head["width"], head["height"]), (1, 640, 480))
+        self.assertEqual((head["flags"], *self.size_of(head)), (1, 640, 480))
+
+    def test_depths_have_the_size_of_their_picture(self):
+        quick, warps = self.join(), self.join()
+        self.join_at_rest(quick, warps)
+        warps.send('{"depths":true}')
+        self.sync(warps)
+        _, head, bytes_ = self.move(quick, warps, depths=True)
+        self.assertEqual(self.size_of(head), (320, 240))
+        lean = zlib.decompress(bytes_[head["picture_bytes"] + 4:], wbits=-15)
+        self.assertEqual(len(lean), 320 * 240 // 8 + 2 * 81 * 61 + 80 * 60 // 8)
+        _, head, bytes_ = self.move(quick, warps, depths=True, layers=True)
+        self.assertEqual((*self.size_of(head), head["layers"]), (320, 240, 2))
+        first, = struct.unpack_from("<I", bytes_, head["picture_bytes"])
+        second, = struct.unpack_from("<I", bytes_, head["picture_bytes"] + 4 + first)
+        self.assertEqual(head["depth_bytes"], 8 + first + second)
 
     def test_the_machine_draws_in_the_size_for_the_fastest_driver(self):
-        slow, quick = self.join(), self.join()
-        self.show(quick, 1, rests=True, size=(640, 480))
-        self.shown(slow, self.frame(slow)[0]["number"])
-        self.slow(quick, slow)
-        self.assertEqual(self.ask(quick, wants=0)["scale"], 1)
+        quick, slow = self.join(), self.join()
+        self.join_at_rest(quick, slow)
+        self.move(quick, slow)
+        self.assertGreater(self.ask(quick, wants=0)["scale"], 0.5)
         quick.close()
-        self.assertEqual([self.server.event() for _ in range(3)][-1], "left 2")
+        self.assertEqual([self.server.event() for _ in range(3)][-1], "left 1")
         self.assertEqual(self.ask(slow, wants=0)["scale"], 0.5)
         # A frame that has been drawn in this size is not made smaller again.
-        head, _ = self.slow(slow, slow, scale=0.5)
-        self.assertEqual((head["width"], head["height"]), (640, 480))
+        self.show(slow, 8, size=(320, 240), scale=0.5)
+        self.assertEqual(self.size_of(self.frame(slow)[0]), (320, 240))
 
     def test_frames_that_only_waited_in_the_page_are_no_sign_of_a_slow_link(self):
         for after_ms, kind in ((0, 3), (60000, 1)):
