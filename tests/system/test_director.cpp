@@ -262,10 +262,14 @@ TEST_CASE("of questions for bytes the newest of each kind is answered") {
     Theatre stage;
     stage.watchers.says({{"id", 1}, {"ask", "slice"}, {"axis", "x"}});
     stage.watchers.says({{"id", 2}, {"ask", "slice"}, {"axis", "y"}});
+    for (const int id : {4, 5}) {
+        stage.watchers.says({{"id", id}, {"ask", "slice"}, {"axis", "x"}, {"ahead", true}});
+    }
     stage.watchers.says({{"id", 3}, {"ask", "slice"}, {"axis", "x"}});
     stage.settle();
     CHECK(stage.watchers.reply(1)["superseded"] == true);
-    CHECK(stage.watchers.binaries == std::vector<std::string>{"3", "2"});
+    CHECK(stage.watchers.reply(4)["superseded"] == true);
+    CHECK(stage.watchers.binaries == std::vector<std::string>{"3", "2", "5"});
 }
 
 TEST_CASE("viewers who take no frame get the resting one, and none of those between") {

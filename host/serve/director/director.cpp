@@ -257,7 +257,8 @@ void Director::take(const Said& said) {
         }
         wish.is_ask = message.ask.has_value();
         wish.text = wish.is_ask ? said.text : *message.line;
-        wish.kind = message.ask.value_or("") + " " + message.axis.value_or("");
+        wish.kind = message.ask.value_or("") + " " + message.axis.value_or("") +
+                    (message.is_ahead ? " ahead" : "");
         take_wish(said, std::move(wish));
     } catch (const MessageError& error) {
         wish.id = error.id;

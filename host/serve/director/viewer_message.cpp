@@ -62,6 +62,7 @@ void read_content(const Json& message, std::string_view text, ViewerMessage& rea
     read.ask = value<std::string>(message, "ask", Json::value_t::string);
     if (read.ask) {
         read.axis = value<std::string>(message, "axis", Json::value_t::string);
+        read.is_ahead = value<bool>(message, "ahead", Json::value_t::boolean).value_or(false);
     }
     read.panel = value<bool>(message, "panel", Json::value_t::boolean);
     read.cancels = value<bool>(message, "cancel", Json::value_t::boolean).value_or(false);

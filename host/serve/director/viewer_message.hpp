@@ -17,6 +17,7 @@ struct ViewerMessage {
     std::optional<std::string> line;  ///< The command of "do".
     std::optional<std::string> ask;   ///< The kind of a question: "slice".
     std::optional<std::string> axis;  ///< The axis of a question about a slice.
+    bool is_ahead = false;            ///< The slice is not wanted yet.
     bool cancels = false;
     std::optional<bool> panel;
     bool is_ping = false;

@@ -43,17 +43,19 @@ function held(t, {ms, side = SIDE}) {
     shown.push(index);
   }, failed: sentence => failures.push(sentence)});
   const settle = () => new Promise(done => setImmediate(done));
+  let answered = 0;
+  const waiting = () => asked[answered++];  // Answers come in the order of the questions.
   return {source, shown, failures,
     want: (index, of = 'a') => source.want({axis: 'z', index, count: 20}, of),
     questions: () => asked.map(({question}) => question.index),
     last: () => asked.at(-1).question,
     async refuse() {
-      asked.at(-1).reject(new Error('refused'));
+      waiting().reject(new Error('refused'));
       await settle();
     },
-    async give() {
-      const {question, answer} = asked.at(-1);
-      now += ms;
+    async give(took = ms) {
+      const {question, answer} = waiting();
+      now += took;
       answer(answerTo(question, side));
       await settle();  // Promises alone follow, which are all done before.
     }};
@@ -115,40 +117,68 @@ test('an error is not told over a slice that was asked for after it', async t =>
   assert.deepEqual(failures, ['refused']);
 });
 
-test('on a slow link slices are packed, and the next in the direction comes ahead', async t => {
+test('on a slow link slices are packed, and the next in the direction comes with them', async t => {
   const {want, give, shown, questions, last} = held(t, {ms: 300});
   want(5);
   assert.equal(last().packed, true, 'the first one, as nothing is known of the link');
   await give();
   assert.deepEqual(questions(), [5], 'no step, nothing ahead');
   want(6);
-  await give();
-  assert.deepEqual(questions(), [5, 6, 7]);
+  assert.deepEqual(questions(), [5, 6, 7], 'before 6 is there');
   assert.equal(last().packed, true);
+  assert.equal(last().ahead, true);
+  await give();
   await give();
   assert.deepEqual(shown, [5, 6], 'what came ahead is not shown');
   want(7);
   assert.deepEqual(shown, [5, 6, 7], 'at once');
   assert.deepEqual(questions(), [5, 6, 7, 8]);
   want(8);
+  assert.deepEqual(questions(), [5, 6, 7, 8, 9], '8 is under way, and is not asked for twice');
   await give();
-  assert.deepEqual(shown, [5, 6, 7, 8], 'it was under way, and is not asked for twice');
-  assert.deepEqual(questions(), [5, 6, 7, 8, 9]);
+  assert.deepEqual(shown, [5, 6, 7, 8]);
 });
 
 test('a slice ahead that is refused is neither told nor asked for again', async t => {
   const {want, give, refuse, questions, failures} = held(t, {ms: 300});
-  for (const index of [5, 6]) {
-    want(index);
-    await give();
-  }
+  want(5);
+  await give();
+  want(6);
+  await give();
   await refuse();
   assert.deepEqual(questions(), [5, 6, 7]);
   assert.deepEqual(failures, []);
   want(7);
-  await refuse();
   assert.deepEqual(questions(), [5, 6, 7, 7, 8]);
+  await refuse();
   assert.deepEqual(failures, ['refused']);
+});
+
+test('a slice that was refused when it came ahead is asked for again if wanted', async t => {
+  const {want, give, refuse, questions, failures, shown} = held(t, {ms: 300});
+  want(5);
+  await give();
+  want(6);
+  await give();
+  want(7);  // Under way.
+  assert.deepEqual(questions(), [5, 6, 7, 8]);
+  await refuse();  // The server has only the newest of those ahead.
+  assert.deepEqual(questions(), [5, 6, 7, 8, 7]);
+  await give();
+  await give();
+  assert.deepEqual([failures, shown], [[], [5, 6, 7]]);
+});
+
+test('the time of an answer that waited for the one before is that of its own', async t => {
+  const {want, give, last} = held(t, {ms: 30});
+  want(5);
+  await give(50);
+  want(6);
+  assert.equal(last().ahead, true, 'a slow link');
+  await give();
+  await give();  // 60 ms after its question.
+  want(8);
+  assert.equal(last().packed, undefined, 'a fast link');
 });
 
 test('nothing comes ahead beyond the ends and after jumps', async t => {

@@ -199,6 +199,8 @@ TEST_SUITE("host/serve/viewer_message") {
     TEST_CASE("a question says along which axis it is") {
         CHECK(read_viewer_message(R"({"id":8,"ask":"slice","axis":"x"})").axis == "x");
         CHECK(!read_viewer_message(R"({"id":8,"ask":"scrub"})").axis);
+        CHECK(read_viewer_message(R"({"id":8,"ask":"slice","axis":"x","ahead":true})").is_ahead);
+        CHECK(!read_viewer_message(R"({"id":8,"ask":"slice","axis":"x"})").is_ahead);
         CHECK(error_of([] {
                   read_viewer_message(R"({"id":8,"ask":"slice","axis":2})");
               }).find("\"axis\" is 2") != std::string::npos);

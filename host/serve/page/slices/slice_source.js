@@ -1,5 +1,6 @@
 // Requests slices, newest only: one request per view is in flight, and the newest waits. On a slow
-// link, slices are packed, and the next one in the direction of the last step is asked for ahead.
+// link, slices are packed, and the next one in the direction of the last step is asked for at the
+// same time, so that the link carries it right after the first.
 import {CAN_UNPACK, unpacked} from './slice_packing.js';
 import {sliceOf} from './slice_pixels.js';
 
@@ -33,6 +34,9 @@ export class SliceSource {
     /** @private  Counts requests. */ this.number_ = 0;
     /** @private  The request whose slice is shown. */ this.shown_ = 0;
     /** @private @type {{question: Question, of: string} | null} */ this.last_ = null;
+    /** @private @type {Map<string, Promise<Slice>>} Requests without an answer. */
+    this.flying_ = new Map();
+    /** @private  Time of the newest answer. */ this.answered_ms_ = 0;
     /** @private  -1 or 1 after a step to the next slice, else 0. */ this.step_ = 0;
     /** @private */ this.isSlow_ = CAN_UNPACK;
     /** @private @type {Map<string, Slice>} The oldest use first. */ this.kept_ = new Map();
@@ -49,6 +53,7 @@ export class SliceSource {
     this.last_ = null;
     this.step_ = 0;
     this.kept_.clear();
+    this.flying_.clear();
     this.bytes_ = 0;
     ++this.epoch_;
   }
@@ -72,8 +77,8 @@ export class SliceSource {
       this.keep_(asked, kept);
       this.show_(kept, this.next_);
       this.next_ = null;
-    }
-    if (!this.busy_) {
+      this.askAhead_();
+    } else if (!this.busy_) {
       void this.work_();
     }
   }
@@ -81,14 +86,13 @@ export class SliceSource {
   /** @private */
   async work_() {
     this.busy_ = true;
-    for (let wish = this.taken_(); wish; wish = this.taken_()) {
+    for (let wish = this.next_; wish; wish = this.next_) {
+      this.next_ = null;
       const epoch = this.epoch_, key = keyOf(wish.question, wish.of);
       try {
-        const slice = this.kept_.get(key) ?? await this.fetch_(wish.question);
-        if (epoch === this.epoch_) {
-          this.keep_(key, slice);
-          this.show_(slice, wish);
-        }
+        const slice = this.kept_.get(key) ?? this.wanted_(wish.question, key);
+        this.askAhead_();
+        this.show_(await slice, wish, epoch);
       } catch (error) {
         if (epoch === this.epoch_ && wish.number > this.shown_) {
           this.asked_ = '';
@@ -100,41 +104,71 @@ export class SliceSource {
   }
 
   /**
-   * The newest request, or one ahead of the user.
+   * Asks for the slice that the user steps to next, if that takes long. A refusal is not told: the
+   * user has not asked for it.
    * @private
-   * @returns {Wish | null}
    */
-  taken_() {
-    const wish = this.next_ ?? this.ahead_();
-    this.next_ = null;
-    return wish;
-  }
-
-  /**
-   * @private
-   * @returns {Wish | null}
-   */
-  ahead_() {
+  askAhead_() {
     const {last_: last, step_: step} = this;
     if (!last || step === 0 || !this.isSlow_) {
-      return null;
+      return;
     }
     this.step_ = 0;  // Once for each step, also if it fails.
     const {question: {index: at = 0, count = 0}, of} = last;
-    const index = at + step, question = {...last.question, index};
-    return index < 0 || index >= count || this.kept_.has(keyOf(question, of))
-      ? null : {question, of, number: 0};
+    const index = at + step, question = {...last.question, index}, key = keyOf(question, of);
+    if (index >= 0 && index < count && !this.kept_.has(key)) {
+      this.begun_(question, key, true).catch(() => {});
+    }
+  }
+
+  /**
+   * The request for a slice that the user wants now. One that was asked for ahead may be refused,
+   * because a newer one has taken its place.
+   * @private
+   * @param {Question} question
+   * @param {string} key
+   */
+  wanted_(question, key) {
+    return this.flying_.get(key)?.catch(() => this.begun_(question, key)) ??
+      this.begun_(question, key);
+  }
+
+  /**
+   * The request for a slice, which may have begun before.
+   * @private
+   * @param {Question} question
+   * @param {string} key
+   * @param {boolean} isAhead
+   */
+  begun_(question, key, isAhead = false) {
+    const epoch = this.epoch_;
+    const slice = this.flying_.get(key) ?? this.fetch_(question, isAhead).then(fetched => {
+      if (epoch === this.epoch_) {
+        this.keep_(key, fetched);
+      }
+      return fetched;
+    }).finally(() => {
+      if (this.flying_.get(key) === slice) {
+        this.flying_.delete(key);
+      }
+    });
+    this.flying_.set(key, slice);
+    return slice;
   }
 
   /**
    * @private
    * @param {Question} question
+   * @param {boolean} isAhead
    */
-  async fetch_(question) {
+  async fetch_(question, isAhead) {
     const begin = performance.now();
     const answer = await this.connection_.ask({ask: 'slice', ...sent(question),
-      ...this.isSlow_ && {packed: true}});
-    const took = performance.now() - begin - (answer.json.packed?.ms ?? 0);
+      ...this.isSlow_ && {packed: true}, ...isAhead && {ahead: true}});
+    // The link carried another answer before.
+    const took = performance.now() - Math.max(begin, this.answered_ms_) -
+      (answer.json.packed?.ms ?? 0);
+    this.answered_ms_ = performance.now();
     // Without packing. A few bytes take about as long as none.
     const longer = (answer.json.packed?.bytes ?? 0) / Math.max(answer.bytes.byteLength, 1);
     if (isPlain(question)) {  // Slabs and oblique slices take the server's time, too.
@@ -176,9 +210,10 @@ export class SliceSource {
    * @private
    * @param {Slice} slice
    * @param {Wish} wish
+   * @param {number} epoch  Of the request.
    */
-  show_(slice, {number}) {
-    if (number > this.shown_) {  // What comes ahead has the number 0.
+  show_(slice, {number}, epoch = this.epoch_) {
+    if (number > this.shown_ && epoch === this.epoch_) {
       this.shown_ = number;
       this.to_.slice(slice);
     }
