@@ -10,17 +10,15 @@ namespace pxpl5::host::serve {
 namespace {
 
 Shown flat(const Shown& shown) {
+    OnePicture picture = shown.as_one();
     Shown one = shown;
+    one.width = picture.width;
+    one.height = picture.height;
+    one.pixels = std::move(picture.pixels);
     one.depths = {};
-    if (shown.as_one) {
-        OnePicture picture = shown.as_one();
-        one.width = picture.width;
-        one.height = picture.height;
-        one.pixels = std::move(picture.pixels);
-        one.views = one.layers = 1;
-        one.opacity = 0;
-        one.as_one = {};
-    }
+    one.views = one.layers = 1;
+    one.opacity = 0;
+    one.as_one = {};
     return one;
 }
 
@@ -65,7 +63,7 @@ void FrameEncodings::begin(const NewestFrame& frame) {
 }
 
 const Shown& FrameEncodings::form_of(const Shown& shown, bool with_depths) {
-    if (with_depths || (!shown.as_one && shown.depths.empty())) {
+    if (with_depths || !shown.as_one) {
         return shown;
     }
     return made(flat_, shown.pixels.data(), shown.pixels, [&] { return flat(shown); });

@@ -21,8 +21,8 @@ class FrameEncodings {
     /// those of its layers.
     void begin(const NewestFrame& frame);
 
-    /// The frame itself, with `with_depths`. Otherwise all its pictures are one, and the depths are
-    /// left out.
+    /// The frame itself for viewers who take depths, and if it has one picture. Otherwise all its
+    /// pictures as one, without depths.
     const Shown& form_of(const Shown& shown, bool with_depths);
     /// The form in the size that a viewer's connection carries: the form itself, or a smaller copy
     /// if it moves, is larger, and need not keep its size.

@@ -166,24 +166,25 @@ class Frames(Case):
         self.show(viewer, 8, rests=True, size=(640, 480))
         self.assertEqual(self.frame(viewer)[0]["kind"], png)
 
-    def join_at_rest(self, quick, slow):
-        """Both have had a resting picture, and acknowledge it."""
-        self.show(quick, 1, rests=True, size=(640, 480))
-        for viewer in (quick, slow):
+    def join_at_rest(self, *viewers):
+        """All have had a resting picture, and acknowledge it."""
+        self.show(viewers[0], 1, rests=True, size=(640, 480))
+        for viewer in viewers:
             for _ in range(2):
                 head, _ = self.frame(viewer)
             self.shown(viewer, head["number"])
 
-    def move(self, quick, slow, **more):
-        """Several moving frames, which take their time to `slow`: the last to each of both."""
+    def move(self, quick, *slow, **more):
+        """Several moving frames, which take their time to `slow`: the last to each viewer."""
         for revision in range(2, 8):
             self.show(quick, revision, size=(640, 480), **more)
             quick_head, _ = self.frame(quick)
             self.shown(quick, quick_head["number"])
-            head, bytes_ = self.frame(slow)
+            frames = [self.frame(viewer) for viewer in slow]
             self.take_time()
-            self.shown(slow, head["number"])
-        return quick_head, head, bytes_
+            for viewer, (head, _) in zip(slow, frames):
+                self.shown(viewer, head["number"])
+        return quick_head, *frames
 
     def size_of(self, head):
         return head["width"], head["height"]
@@ -191,30 +192,32 @@ class Frames(Case):
     def test_a_viewer_on_a_slow_link_gets_smaller_moving_pictures_than_others(self):
         quick, watcher = self.join(), self.join(self.server.watch_url)
         self.join_at_rest(quick, watcher)
-        quick_head, head, _ = self.move(quick, watcher)
+        quick_head, (head, _) = self.move(quick, watcher)
         self.assertEqual(self.size_of(head), (320, 240))
         self.assertGreater(quick_head["width"], 320)
         # Two layers become one, in the same size.
-        _, head, _ = self.move(quick, watcher, depths=True, layers=True)
+        _, (head, _) = self.move(quick, watcher, depths=True, layers=True)
         self.assertEqual((*self.size_of(head), head["layers"]), (320, 240, 1))
         # The rows of a monitor and what rests have their full size.
-        _, head, _ = self.move(quick, watcher, fixed=True)
+        _, (head, _) = self.move(quick, watcher, fixed=True)
         self.assertEqual(self.size_of(head), (640, 480))
         self.show(quick, 9, rests=True, size=(640, 480))
         head, _ = self.frame(watcher)
         self.assertEqual((head["flags"], *self.size_of(head)), (1, 640, 480))
 
     def test_depths_have_the_size_of_their_picture(self):
-        quick, warps = self.join(), self.join()
-        self.join_at_rest(quick, warps)
+        quick, warps, plain = self.join(), self.join(), self.join(self.server.watch_url)
+        self.join_at_rest(quick, warps, plain)
         warps.send('{"depths":true}')
         self.sync(warps)
-        _, head, bytes_ = self.move(quick, warps, depths=True)
-        self.assertEqual(self.size_of(head), (320, 240))
+        _, (head, bytes_), (other, _) = self.move(quick, warps, plain, depths=True)
+        self.assertEqual((self.size_of(head), self.size_of(other)), ((320, 240), (320, 240)))
+        self.assertEqual(other["depth_bytes"], 0)
         lean = zlib.decompress(bytes_[head["picture_bytes"] + 4:], wbits=-15)
         self.assertEqual(len(lean), 320 * 240 // 8 + 2 * 81 * 61 + 80 * 60 // 8)
-        _, head, bytes_ = self.move(quick, warps, depths=True, layers=True)
+        _, (head, bytes_), (other, _) = self.move(quick, warps, plain, depths=True, layers=True)
         self.assertEqual((*self.size_of(head), head["layers"]), (320, 240, 2))
+        self.assertEqual((*self.size_of(other), other["layers"]), (320, 240, 1))
         first, = struct.unpack_from("<I", bytes_, head["picture_bytes"])
         second, = struct.unpack_from("<I", bytes_, head["picture_bytes"] + 4 + first)
         self.assertEqual(head["depth_bytes"], 8 + first + second)
