@@ -122,7 +122,7 @@ TEST_CASE("the whole scene is put back after a death") {
     CHECK_FALSE(part.has_value());
     CHECK(frame == before.frame);
     CHECK(surfaces.size() == before.surfaces.size());
-    CHECK(surfaces.at(0).rim == 4);
+    CHECK(surfaces.back().rim == 4);
     CHECK(clips == before.clips);
     CHECK(planes == before.planes);
     CHECK(planes_window == before.planes_window);
