@@ -16,8 +16,8 @@ namespace pxpl5::host::serve {
 Size moving_size(const Size& full, double scale);
 
 /// Pictures of one size, from top to bottom, in a smaller size. A new pixel is the mean of the area
-/// that it covers, for each channel of 8 bits alone; halves are rounded up. No picture gets pixels
-/// of its neighbor.
+/// that it covers, for each channel of 8 bits alone; halves are rounded up. Each picture is reduced
+/// alone, so that the edges of two pictures do not mix.
 ///
 /// rgba      pictures * from.height * from.width.
 /// from, to  Of one picture; `to` is not larger in any direction.

@@ -91,8 +91,8 @@ struct Shown {
 
 /// Wishes of the viewers for the next frame.
 struct LinkAdvice {
-    /// Size of moving frames relative to resting frames: 1, 3/4 or 1/2, by the fastest connection
-    /// of a driver. Viewers with slower connections get smaller copies.
+    /// Size of moving frames relative to resting frames: 1, 3/4 or 1/2. The driver with the fastest
+    /// connection decides. The server reduces the frames for slower connections.
     double scale = 1;
     bool wants_depths = false;  ///< Some viewer shows pictures from newer viewpoints.
     double pair_scale = 1;      ///< Likewise of a headset's pairs, by its wearer's connection.

@@ -136,8 +136,8 @@ double Loop::scale_for(Viewer& viewer, const Shown& form) {
     return form.rests ? 1 : viewer.link.scale(static_cast<std::size_t>(whole));
 }
 
-/// A driver who has not acknowledged a frame for a long time, as in a hidden tab, counts only if
-/// all are like that.
+/// Ignores drivers who no longer acknowledge frames, for example in a hidden tab, unless no driver
+/// acknowledges any.
 double Loop::advised_scale() {
     double fastest = 0, of_all = 0;
     for (auto& [connection, socket] : sockets_) {
