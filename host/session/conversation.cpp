@@ -20,7 +20,9 @@ void Conversation::handle_frame_faults(std::function<bool(std::uint32_t)> takes_
 }
 
 void Conversation::broadcast(const bus::Payload& request) {
-    broadcasts_ += request.kind() == bus::Body::FetchVoxels ? 0 : 1;
+    const bool may_change = request.kind() != bus::Body::FetchVoxels;
+    broadcasts_ += may_change ? 1 : 0;
+    other_changes_ += may_change && request.kind() != bus::Body::SetSurface ? 1 : 0;
     for (const bus::NodeId gp : gps()) {
         machine_.send(gp, request);
     }
@@ -74,6 +76,7 @@ void Conversation::begin_again() {
     late_.clear();
     fault_.reset();
     ++broadcasts_;
+    ++other_changes_;
 }
 
 void Conversation::wait_for_answers(const std::string& what) {

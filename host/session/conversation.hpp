@@ -42,6 +42,8 @@ class Conversation {
     void broadcast(const bus::Payload& request);
     /// Number of broadcasts that may change a frame: all but questions about voxels.
     std::uint64_t broadcasts() const { return broadcasts_; }
+    /// The same without new surfaces, whose revisions frames name.
+    std::uint64_t other_changes() const { return other_changes_; }
 
     /// Sends `request` to every GP and waits until each has answered.
     void ask(const std::string& what, const bus::Payload& request, Answer answer);
@@ -130,6 +132,7 @@ class Conversation {
     std::vector<Late> late_;
     std::optional<Failure> fault_;
     std::uint64_t broadcasts_ = 0;
+    std::uint64_t other_changes_ = 0;
     bool is_uncancelable_ = false;
 };
 

@@ -117,7 +117,7 @@ void Frames::take_done(const bus::Message& message) {
 void Frames::finish(Pending frame) {
     const WholeFrame done = frame.parts.whole();
     if (!done.pixels.empty()) {
-        finished_.push_back(picture_of(done, frame.stereo));
+        finished_.push_back({picture_of(done, frame.stereo), done.moved_mm});
     }
     if (frame.is_question) {
         return;
@@ -146,6 +146,7 @@ void Frames::abandon() {
 void Frames::forget_content() {
     abandon();
     announced_.reset();
+    kept_layers_ = {};
     region_costs_ = {};
 }
 
@@ -160,13 +161,13 @@ void Frames::wait_until_pending(std::size_t count) {
     }
 }
 
-Picture Frames::take_oldest() {
+Frames::Drawn Frames::take_oldest_drawn() {
     if (finished_.empty()) {
         wait_until_pending(pending_.size() - 1);
     }
-    Picture picture = std::move(finished_.front());
+    Drawn drawn = std::move(finished_.front());
     finished_.pop_front();
-    return picture;
+    return drawn;
 }
 
 Picture Frames::draw() {

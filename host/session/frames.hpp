@@ -97,8 +97,9 @@ class Frames {
         int opacity = 0;  ///< Sixteenths.
     };
     /// Draws the scene with one sample per pixel, as two pictures with depths. Both are in flight
-    /// at the same time, or were requested ahead. Returns nothing in stereo, and unless exactly one
-    /// visible surface has an opacity below 1.
+    /// at the same time, or were requested ahead. A picture that would be the same as the newest
+    /// one of its kind is not drawn again: while one surface changes, the other one's stays.
+    /// Returns nothing in stereo, and unless exactly one visible surface has an opacity below 1.
     std::optional<Layers> draw_layers();
     /// The same as two given eyes see it: draw_pair() without the transparent surface, and with it.
     std::optional<Layers> draw_pair_layers(const Eyes& eyes, const Moving& how);
@@ -171,10 +172,25 @@ class Frames {
         FrameParts parts;                     ///< The messages that have arrived.
         bool is_front = false;                ///< Belongs to the picture of the frame before.
     };
+    /// A picture, and how far its surfaces are from the exact ones, as FrameReport has it.
+    struct Drawn {
+        Picture picture;
+        double moved_mm = 0;
+    };
+    /// The picture behind and the picture in front, as the machine draws them.
+    struct KeptLayer {
+        std::uint64_t key = 0;  ///< Digest of the request and of what the GPs hold.
+        Drawn drawn;
+    };
+    struct LayersRequest {
+        SurfaceLayers layers;
+        std::array<std::uint64_t, 2> keys{};
+        std::array<bool, 2> is_drawn{};  ///< False: the kept picture is the same.
+        std::int64_t started_ns = 0;
+    };
     struct Ahead {
-        std::uint32_t frame = 0;  ///< The first.
         std::uint64_t key = 0;
-        std::optional<SurfaceLayers> layers = {};  ///< Two frames, if there are layers.
+        std::optional<LayersRequest> layers = {};
     };
 
     Stage stage(const Scene& scene) const;
@@ -186,9 +202,10 @@ class Frames {
     std::size_t max_summed_regions(int samples) const;
     Picture draw_in_parts(int samples);
     std::optional<Layers> draw_layers_of(const Scene& scene, Stage part);
-    void request_layers(const Scene& scene, Stage part, const SurfaceLayers& layers);
-    /// Waits for the two frames in flight.
-    Layers take_layers(const SurfaceLayers& layers);
+    LayersRequest request_layers(const Scene& scene, Stage part, SurfaceLayers layers);
+    std::uint64_t key_of_layer(const Scene& scene, const Stage& part) const;
+    /// Waits for the frames in flight.
+    Layers take_layers(const LayersRequest& request);
     /// The point of one surface, or of one slice plane.
     std::optional<Pick> pick_alone(std::optional<Surface> surface, std::optional<ScenePlane> plane,
                                    const EyePixel& at);
@@ -202,7 +219,8 @@ class Frames {
     std::optional<Picture> take_ahead(int samples);
     /// Waits until at most `count` frames are in flight.
     void wait_until_pending(std::size_t count);
-    Picture take_oldest();
+    Picture take_oldest() { return take_oldest_drawn().picture; }
+    Drawn take_oldest_drawn();
 
     Conversation& conversation_;
     Scene& scene_;
@@ -213,8 +231,9 @@ class Frames {
     bool announces_layers_ = false;
     std::optional<Ahead> ahead_;
     std::deque<Pending> pending_;
-    std::deque<Picture> finished_;
-    std::vector<CountedFrame> counted_;  ///< Being drawn.
+    std::deque<Drawn> finished_;
+    std::array<std::optional<KeptLayer>, 2> kept_layers_;  ///< The newest ones.
+    std::vector<CountedFrame> counted_;                    ///< Being drawn.
     /// Costs of the regions of the newest frame with one view, and with two.
     std::array<std::vector<std::uint64_t>, 2> region_costs_;
     std::vector<std::uint64_t> picture_costs_;  ///< Costs that the newest picture is shared by.

@@ -1,9 +1,13 @@
 // Frames: pictures of given eyes, pictures whose transparent surface is a layer, and pictures that
 // are requested ahead.
 #include <algorithm>
+#include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include "host/base/digest.hpp"
+#include "host/base/stopwatch.hpp"
 #include "host/session/frames.hpp"
 
 namespace pxpl5::host {
@@ -53,29 +57,64 @@ std::optional<Frames::Layers> Frames::draw_layers_of(const Scene& scene, Stage p
         return std::nullopt;
     }
     drop_ahead();
-    request_layers(scene, std::move(part), *layers);
-    return take_layers(*layers);
+    return take_layers(request_layers(scene, std::move(part), *layers));
 }
 
-void Frames::request_layers(const Scene& scene, Stage part, const SurfaceLayers& layers) {
-    part.surfaces = layers.behind;
-    request(scene, part, ReadBack::pixels_and_depths);
-    const std::int64_t started_ns = pending_.back().started_ns;
-    part.surfaces = {&layers.front, 1};
-    part.planes = {};
-    request(scene, part, ReadBack::pixels_and_depths);
-    pending_.back().is_front = true;
-    pending_.back().started_ns = started_ns;
+/// Frames name the revisions of their surfaces, so that new surfaces are part of the request.
+std::uint64_t Frames::key_of_layer(const Scene& scene, const Stage& part) const {
+    Digest digest;
+    const bus::Payload message = frame_request(scene, part, 0, {}, ReadBack::pixels_and_depths);
+    digest.add(std::as_bytes(message.bytes()));
+    const std::array<std::uint64_t, 2> content = {volumes_.id(), conversation_.other_changes()};
+    digest.add(std::as_bytes(std::span(content)));
+    return digest.value();
 }
 
-Frames::Layers Frames::take_layers(const SurfaceLayers& layers) {
+Frames::LayersRequest Frames::request_layers(const Scene& scene, Stage part, SurfaceLayers layers) {
+    LayersRequest made{std::move(layers)};
+    made.started_ns = now_ns();
+    for (const std::size_t layer : {0, 1}) {
+        const bool is_front = layer == 1;
+        if (is_front) {
+            part.surfaces = {&made.layers.front, 1};
+            part.planes = {};
+        } else {
+            part.surfaces = made.layers.behind;
+        }
+        made.keys[layer] = key_of_layer(scene, part);
+        const std::optional<KeptLayer>& kept = kept_layers_[layer];
+        made.is_drawn[layer] = !kept || kept->key != made.keys[layer];
+        if (made.is_drawn[layer]) {
+            request(scene, part, ReadBack::pixels_and_depths);
+            pending_.back().is_front = is_front && made.is_drawn[0];
+            pending_.back().started_ns = made.started_ns;
+        }
+    }
+    return made;
+}
+
+Frames::Layers Frames::take_layers(const LayersRequest& request) {
     wait_until_pending(0);
-    Layers drawn{take_oldest(), take_oldest(), layers.opacity};
-    std::vector<std::uint32_t> rgba = drawn.front.rgba.copy(), depths = drawn.front.depths.copy();
-    put_in_front(drawn.behind.rgba, drawn.behind.depths, rgba, depths, layers.entries_before);
-    drawn.front.rgba = std::move(rgba);
-    drawn.front.depths = std::move(depths);
-    return drawn;
+    std::array<Drawn, 2> drawn;
+    for (const std::size_t layer : {0, 1}) {
+        std::optional<KeptLayer>& kept = kept_layers_[layer];
+        if (request.is_drawn[layer]) {
+            kept = {request.keys[layer], take_oldest_drawn()};
+        }
+        drawn[layer] = kept->drawn;
+    }
+    auto& [behind, front] = drawn;
+    last_.moved_mm = std::max(behind.moved_mm, front.moved_mm);
+    if (request.is_drawn == std::array{false, false}) {
+        last_.elapsed_ms = ms_since(request.started_ns);
+    }
+    std::vector<std::uint32_t> rgba = front.picture.rgba.copy();
+    std::vector<std::uint32_t> depths = front.picture.depths.copy();
+    put_in_front(behind.picture.rgba, behind.picture.depths, rgba, depths,
+                 request.layers.entries_before);
+    front.picture.rgba = std::move(rgba);
+    front.picture.depths = std::move(depths);
+    return {std::move(behind.picture), std::move(front.picture), request.layers.opacity};
 }
 
 void Frames::announce(const std::optional<Moving>& moving, bool as_layers) {
@@ -90,12 +129,13 @@ void Frames::request_announced() {
         scene.size = moving->size;
         scene.detail = {false, moving->detail};
         const Stage seen = stage(scene);
-        ahead_ = {next_frame_, key_of(scene)};
+        ahead_ = {key_of(scene)};
+        std::optional<SurfaceLayers> layers;
         if (announces_layers_ && seen.cameras.size() == 1) {
-            ahead_->layers = surface_layers(scene, seen);
+            layers = surface_layers(scene, seen);
         }
-        if (ahead_->layers) {
-            request_layers(scene, seen, *ahead_->layers);
+        if (layers) {
+            ahead_->layers = request_layers(scene, seen, std::move(*layers));
         } else {
             request(scene, seen);
         }
@@ -106,17 +146,13 @@ std::optional<Picture> Frames::take_ahead(int samples) {
     if (!ahead_) {
         return std::nullopt;
     }
-    const bool has_layers = ahead_->layers.has_value();
-    const bool is_wanted = samples == 1 && !has_layers && ahead_->key == key();
+    const bool is_wanted = samples == 1 && !ahead_->layers && ahead_->key == key();
     wait_until_pending(0);
-    if (!std::exchange(ahead_, std::nullopt)) {  // It has failed.
-        return std::nullopt;
+    if (!is_wanted) {
+        finished_.clear();  // All of them were requested ahead.
     }
-    Picture picture = take_oldest();
-    if (has_layers) {
-        take_oldest();
-    }
-    return is_wanted ? std::optional(std::move(picture)) : std::nullopt;
+    const bool has_failed = !std::exchange(ahead_, std::nullopt);
+    return is_wanted && !has_failed ? std::optional(take_oldest()) : std::nullopt;
 }
 
 }  // namespace pxpl5::host

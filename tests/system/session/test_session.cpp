@@ -10,24 +10,14 @@
 #include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
 #include "tests/system/session/canceling.hpp"
+#include "tests/system/session/machine_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
+using test::gray, test::machine_of;
 
 namespace {
-
-constexpr Color gray{160, 160, 160};
-
-Topology machine_of(int gps, int renderers, int gp_memory_mib = 64) {
-    Topology topology;
-    topology.gp.count = gps;
-    topology.renderer.count = renderers;
-    topology.frame_buffer.count = 1;
-    topology.gp_memory_mib = gp_memory_mib;
-    topology.seed = 11;
-    return topology;
-}
 
 /// Loads a sphere and shows it in a picture of this size.
 void show_sphere(Session& session, int width, int height, double isovalue) {
@@ -228,43 +218,6 @@ TEST_CASE("an announced frame is requested with the surface, and drawn once") {
     CHECK_FALSE(session.frames.has_frame_ahead());
     CHECK(session.frames.draw().rgba == expected.rgba);
     CHECK(session.frames.last().frame == before + 3);
-}
-
-TEST_CASE("announced layers are requested with the surface, and drawn once") {
-    test::SimulatedMachine machine(machine_of(2, 2));
-    Session session(machine);
-    show_sphere(session, 150, 130, 0.5);
-    session.surfaces.set("t", 0.3, CaseRule::watertight, {20, 200, 20});
-    session.scene.surfaces[1].opacity = 6;
-    const auto announce = [&] {
-        session.frames.announce(Frames::Moving{session.scene.size, 0}, true);
-        session.surfaces.set("s", 0.6, CaseRule::watertight, gray);
-        REQUIRE(session.frames.has_frame_ahead());
-    };
-    announce();
-    const Frames::Layers ahead = session.frames.draw_layers().value();
-    CHECK_FALSE(session.frames.has_frame_ahead());
-    const std::uint32_t after = session.frames.last().frame;
-    const Frames::Layers again = session.frames.draw_layers().value();
-    CHECK(session.frames.last().frame == after + 2);
-    CHECK(ahead.behind.rgba == again.behind.rgba);
-    CHECK(ahead.front.rgba == again.front.rgba);
-    CHECK(ahead.front.depths == again.front.depths);
-    CHECK(ahead.opacity == 6);
-    announce();
-    session.frames.draw_layers();
-    CHECK(session.frames.last().frame == after + 4);
-    // Another picture drops both frames.
-    const Picture expected = session.frames.draw();
-    announce();
-    CHECK(session.frames.draw().rgba == expected.rgba);
-    CHECK_FALSE(session.frames.has_frame_ahead());
-    // So does another camera, for which new layers are drawn.
-    announce();
-    session.scene.camera.angles.azimuth_deg = 70;
-    const Frames::Layers turned = session.frames.draw_layers().value();
-    CHECK(turned.front.rgba != ahead.front.rgba);
-    CHECK(turned.front.rgba == session.frames.draw_layers().value().front.rgba);
 }
 
 TEST_CASE("an announced frame that does not show the scene is dropped") {
