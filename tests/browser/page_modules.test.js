@@ -1,4 +1,4 @@
-// The page's modules that need no browser: turning, projection, messages, lines, store.
+// The page's modules that need no browser: turning, projection, messages, lines.
 import assert from 'node:assert/strict';
 import test from 'node:test';
 
@@ -16,7 +16,6 @@ import {wrapped} from '../../host/serve/page/elements/legend.js';
 import {beyond} from '../../host/serve/page/slices/slice_words.js';
 import {placeWarning} from '../../host/serve/page/panel/volume_words.js';
 import {Selection} from '../../host/serve/page/state/selection.js';
-import {Store} from '../../host/serve/page/state/store.js';
 
 /** @param {number[]} a @param {number[]} b */
 function near(a, b, tolerance = 1e-9) {
@@ -213,19 +212,6 @@ test('isovalues of whole numbers lie between two; of others they have few digits
   assert.equal(toLine(isoCommand('bone', 1e-7)), 'surface bone iso=0.0000001');
   assert.deepEqual([plain(100), plain(-0.001), plain(1.5), plain(20, 0)],
     ['100', '0', '1.5', '20']);
-});
-
-test('the store tells of what has changed, and of nothing else', () => {
-  const store = new Store();
-  /** @type {string[]} */
-  const told = [];
-  store.subscribe(['camera'], () => told.push('camera'));
-  store.subscribe(['size'], () => told.push('size'));
-  const state = /** @type {any} */ ({revision: 1, camera: {zoom: 1}, size: [1, 1]});
-  store.take(state);
-  store.take({...state, revision: 2, camera: {zoom: 1}});
-  store.take({...state, revision: 3, camera: {zoom: 2}});
-  assert.deepEqual(told, ['camera', 'size', 'camera']);
 });
 
 test('a long line of a legend wraps between words, and loses none', () => {

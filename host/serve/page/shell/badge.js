@@ -8,6 +8,7 @@ import {say} from '../texts/say.js';
 /** @typedef {import('../link/types.js').FrameHeader} FrameHeader */
 
 const RATE_OVER_MS = 2000;
+const READ_MS = 250;          // A person cannot read faster changes.
 const SETTLE_MS = 200;        // Delay from resizing the panel to resizing the picture.
 const MOST_AUTO_PX = 1280 * 1024;
 const STEP_PX = 2;            // Sizes are even.
@@ -21,24 +22,28 @@ export function createBadge(app) {
   const quality = h('span', {class: 'quality', 'data-testid': 'badge-quality'});
   const digest = h('code', {'data-testid': 'badge-digest', title: say`Digest of the pixels,
     as printed by the command digest. It is the same on every machine.`});
-  const speed = h('span', {class: 'number', 'data-testid': 'badge-speed'});
-  const size = h('span', {class: 'number', 'data-testid': 'badge-size'});
+  const speed = h('span', {class: 'number', 'data-testid': 'badge-speed',
+    title: say`Time to render this frame, and displayed frames per second`});
+  const size = h('span', {class: 'number', 'data-testid': 'badge-size',
+    title: say`Size of this frame in pixels. Frames may be smaller during interaction.`});
   const label = h('span', {class: 'small', title: digest.title, hidden: true}, say`digest`);
   root.append(quality, label, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
   /** @type {number[]} */
   let times = [];
+  let told = 0;  // Time of the shown speed.
   app.picture.onShown((header, at) => {
     times = [...times.filter(each => at - each < RATE_OVER_MS), at];
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     showQuality();
-    setText(speed, `${grouped(header.machine_ms)} ms`
-      + (rate > 0 && !header.rests ? ` · ${say`${grouped(rate)} frames/s`}` : ''));
-    speed.title = say`Time to render this frame, and displayed frames per second`;
+    if (header.rests || at - told > READ_MS) {
+      told = at;
+      setText(speed, `${grouped(header.machine_ms)} ms`
+        + (rate > 0 && !header.rests ? ` · ${say`${grouped(rate)} frames/s`}` : ''));
+    }
     const eye = [header.width, header.height];
     setText(size, (header.views === 1 ? eye
       : composedSize(eye, app.store.state?.stereo ?? 'off')).join(' × '));
-    size.title = say`Size of this frame in pixels. Frames may be smaller during interaction.`;
   });
   const showQuality = () => {
     const {header, warp} = app.picture;
@@ -49,7 +54,7 @@ export function createBadge(app) {
       quality.classList.toggle('good',
         !isWarped && header.kind === 'png' && header.moved_mm === 0);
       setText(digest, isWarped ? '' : header.digest);
-      label.hidden = digest.textContent === '';
+      label.toggleAttribute('hidden', digest.textContent === '');
     }
   };
   app.picture.onChange(showQuality);

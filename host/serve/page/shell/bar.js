@@ -1,5 +1,5 @@
 // The title bar: the open volume, undo and redo, open, save and help.
-import {byId, DATA, h} from '../elements/dom.js';
+import {byId, DATA, h, update} from '../elements/dom.js';
 import {icon} from '../elements/icons.js';
 import {say} from '../texts/say.js';
 import {createViewTools, moveToMenu} from './view_tools.js';
@@ -45,10 +45,10 @@ export function createBar(app, actions, headset) {
   });
   app.history.watch(() => {
     const [back, again] = [app.history.title('undo'), app.history.title('redo')];
-    undo.disabled = back === null;
-    redo.disabled = again === null;
-    undo.title = back ? say`Undo: ${back} (key U)` : say`Nothing to undo`;
-    redo.title = again ? say`Redo: ${again} (key shift U)` : say`Nothing to redo`;
+    undo.toggleAttribute('disabled', back === null);
+    redo.toggleAttribute('disabled', again === null);
+    update(undo, {title: back ? say`Undo: ${back} (key U)` : say`Nothing to undo`});
+    update(redo, {title: again ? say`Redo: ${again} (key shift U)` : say`Nothing to redo`});
   });
   app.connection.on('hello', ({role}) => {
     byId('bar').querySelector('.watching')?.toggleAttribute('hidden', role !== 'watcher');

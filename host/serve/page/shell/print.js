@@ -12,7 +12,7 @@ export function createPrint(app) {
   const title = h('h2', {}, say`Measurements`);
   byId('print').append(h('h2', {}, say`Surfaces`), surfaces, title, measures);
   const unit = () => app.store.state?.volume?.unit ?? '';
-  app.store.subscribe(['surfaces', 'volume'], state => {
+  app.store.follow(['surfaces', 'volume'], state => {
     surfaces.replaceChildren(...state.surfaces.filter(({visible}) => visible).map(each => {
       const swatch = h('i', {class: 'swatch'});
       swatch.style.backgroundColor = each.color;

@@ -1,6 +1,6 @@
 // One slice on a canvas; pointer and keys.
 import {contextOf, fitted, onceAFrame, watchSize} from '../elements/canvas.js';
-import {h} from '../elements/dom.js';
+import {h, update} from '../elements/dom.js';
 import {isRegion} from '../panel/measures.js';
 import {editNote} from '../panel/note_editor.js';
 import {say} from '../texts/say.js';
@@ -75,8 +75,8 @@ export class SliceView {
     this.repaint(through);
     const place = slice.oblique ? sliceWord(this.plane_)
       : placeText(this.plane_, slice.index + 1, size[slice.axes[2]]);
-    this.canvas.setAttribute('aria-label', say`${place}: arrow keys move the crosshair, Page Up and
-      Down step slices, plus and minus zoom, 0 shows the whole slice`);
+    update(this.canvas, {'aria-label': say`${place}: arrow keys move the crosshair, Page Up and
+      Down step slices, plus and minus zoom, 0 shows the whole slice`});
   }
 
   /**

@@ -1,5 +1,5 @@
 // Panel: three slices of the volume, linked to each other and to the picture.
-import {h} from '../elements/dom.js';
+import {h, setText, update} from '../elements/dom.js';
 import {choiceRow, intro, messageLine} from '../panel/panel_parts.js';
 import {say} from '../texts/say.js';
 import {SlicesInPicture} from './in_picture.js';
@@ -169,7 +169,7 @@ export class SlicesPanel {
       slice: slice => {
         if (this.volume) {
           this.show(view, slice);
-          count.textContent = `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`;
+          setText(count, `${slice.index + 1} / ${this.volume.size[slice.axes[2]]}`);
           this.tell(number, slice);
         }
       },
@@ -200,12 +200,14 @@ export class SlicesPanel {
     // Requests that the lost connection dropped are sent again.
     connection.on('hello', () => this.refresh());
     store.subscribe(['volume'], state => this.open(state.volume));
-    store.subscribe(['surfaces', 'clips'], state => { this.beyond.textContent = beyond(state); });
+    store.subscribe(['surfaces', 'clips'], state => setText(this.beyond, beyond(state)));
     store.subscribe(['clips'], () => this.cut());
-    store.subscribe(['surfaces'], ({surfaces}) => {
-      this.target.replaceChildren(...surfaces.filter(each => each.compared_with === '')
-        .map(({name}) => h('option', {value: name}, name)));
-      this.target.value = selection.name;
+    store.follow(['surfaces'], ({surfaces}) => {
+      const names = surfaces.filter(each => each.compared_with === '').map(({name}) => name);
+      if (names.join() !== [...this.target.options].map(({value}) => value).join()) {
+        this.target.replaceChildren(...names.map(name => h('option', {value: name}, name)));
+        this.target.value = selection.name;
+      }
       // During a drag only the large slice is updated; the small slices follow at rest.
       const contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
         [name, isovalue, color, visible]));
@@ -297,7 +299,7 @@ export class SlicesPanel {
       const {source, slider} = pane;
       const {axis, number: through} = this.planes[number];
       const index = Math.round(this.voxel[through]);
-      slider.max = String(volume.size[through] - 1);
+      update(slider, {max: volume.size[through] - 1});
       slider.value = String(index);
       if (which(pane)) {
         source.want({axis, index, count: volume.size[through],

@@ -1,4 +1,7 @@
 // The newest state of the server, and the subscribers to its keys.
+import {paced} from './paced.js';
+
+const READ_MS = 100;  // A person cannot read texts that change more often.
 
 /** @typedef {import('../link/vocabulary.js').State} State */
 /** @typedef {keyof State} Key */
@@ -30,6 +33,20 @@ export class Store {
       act(this.state);
     }
     return () => void this.subscribers_.delete(subscriber);
+  }
+
+  /**
+   * As `subscribe`, for texts and lists that a person reads: during a drag they change at most ten
+   * times a second, which leaves the time for the picture. `act` gets the newest state.
+   * @param {Key[]} keys
+   * @param {(state: State) => void} act
+   */
+  follow(keys, act) {
+    this.subscribe(keys, paced(() => {
+      if (this.state) {
+        act(this.state);
+      }
+    }, READ_MS));
   }
 
   /**

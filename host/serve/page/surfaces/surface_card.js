@@ -1,5 +1,5 @@
 // One surface in the list: a row, and details if the surface is chosen.
-import {DATA, ENGLISH, h} from '../elements/dom.js';
+import {DATA, ENGLISH, h, setText, update} from '../elements/dom.js';
 import {grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
 import {gesture, mayBeOld} from '../panel/gesture.js';
@@ -106,10 +106,13 @@ export class SurfaceCard {
     /** @private */
     this.parts_ = this.makeParts_();
     /** @private */
-    this.facts_ = h('p', {class: 'muted number figures',
-      'data-testid': `surface-facts-${name}`});
+    this.facts_ = h('p', {class: 'muted number figures', 'data-testid': `surface-facts-${name}`,
+      // Files of an open mesh have no volume, so the card says what it counts.
+      title: say`The volume inside the surface, as far as the scan reaches`});
     /** @private */
     this.legend_ = h('p', {class: 'legend', hidden: true, 'data-testid': `surface-legend-${name}`});
+    /** @private The tables and colors of the legend, as JSON. */
+    this.explained_ = '';
     /** @private Number of cells where the tables differ. */
     this.difference_ = h('span', {'data-testid': `surface-difference-${name}`});
     /** @private */
@@ -117,6 +120,8 @@ export class SurfaceCard {
       'data-testid': `surface-certificate-${name}`});
     /** @private The isovalue and table of the certificate. */
     this.certified_ = '';
+    /** @private Whether the button that checks the mesh is shown. */
+    this.offers_ = false;
     /** @private */
     this.compare_ = h('button', {'aria-pressed': false, 'data-testid': `surface-compare-${name}`,
       title: say`Shows only the cells where the watertight tables and the tables of 1987 differ`,
@@ -156,28 +161,32 @@ export class SurfaceCard {
     this.visible_.checked = surface.visible;
     // The field holds about ten characters; the tooltip has the whole value.
     show(this.iso_, plain(Number(surface.isovalue.toPrecision(ISO_DIGITS)), 6));
-    this.iso_.title = String(surface.isovalue);
+    update(this.iso_, {title: surface.isovalue});
     show(this.opacity_, String(surface.opacity));
-    this.opacityText_.textContent = percent(surface.opacity);
+    setText(this.opacityText_, percent(surface.opacity));
     show(this.rim_, String(surface.rim));
-    this.rimText_.textContent = percent(surface.rim);
-    this.facts_.textContent = surface.triangles === 0
-      ? nothingAt(surface.isovalue, this.app_.store.state?.volume) : sizes(surface);
-    // Files of an open mesh have no volume, so the card says what it counts.
-    this.facts_.title = say`The volume inside the surface, as far as the scan reaches`;
-    this.title_.title = surface.table === 'watertight' ? surface.name
-      : say`${surface.name}, table ${surface.table}`;
+    setText(this.rimText_, percent(surface.rim));
+    setText(this.facts_, surface.triangles === 0
+      ? nothingAt(surface.isovalue, this.app_.store.state?.volume) : sizes(surface));
+    update(this.title_, {title: surface.table === 'watertight' ? surface.name
+      : say`${surface.name}, table ${surface.table}`});
     this.showParts_(surface.components);
-    this.parts_.title = this.parts_.value === 'other' ? surface.components : '';
+    update(this.parts_, {title: this.parts_.value === 'other' ? surface.components : ''});
     const certified = `${surface.isovalue} ${surface.table}`;
     if (certified !== this.certified_) {
       this.certified_ = certified;
-      this.offerCertificate_();
+      if (!this.offers_) {
+        this.offerCertificate_();
+      }
     }
     const compared = this.app_.store.state?.surfaces.filter(
       each => each.compared_with === this.name_) ?? [];
-    this.compare_.setAttribute('aria-pressed', String(compared.length > 0));
-    this.showLegend_(compared);
+    update(this.compare_, {'aria-pressed': String(compared.length > 0)});
+    const legend = JSON.stringify(compared.map(({color, table}) => [color, table]));
+    if (legend !== this.explained_) {
+      this.explained_ = legend;
+      this.showLegend_(compared);
+    }
   }
 
   /**
@@ -246,12 +255,13 @@ export class SurfaceCard {
     const known = words === '' ? 'show=all' : words.includes('=') ? words : `show=${words}`;
     const other = /** @type {HTMLOptionElement} */ (this.parts_.lastElementChild);
     const isKnown = [...this.parts_.options].some(each => each.value === known);
-    other.textContent = isKnown ? '' : words;
+    setText(other, isKnown ? '' : words);
     this.parts_.value = isKnown ? known : 'other';
   }
 
   /** @private */
   offerCertificate_() {
+    this.offers_ = true;
     this.certificate_.replaceChildren(h('button', {
       'data-testid': `surface-certify-${this.name_}`,
       title: say`Checks whether the mesh is closed, manifold and consistently oriented`,
@@ -261,6 +271,7 @@ export class SurfaceCard {
   /** @private */
   async certify_() {
     const of = this.certified_;
+    this.offers_ = false;
     this.certificate_.replaceChildren(h('span', {class: 'muted'}, say`Checking …`));
     const reply = await this.app_.connection.do(`certificate ${word(this.name_)}`);
     if (of !== this.certified_) {

@@ -1,5 +1,5 @@
 // The list of surfaces, tissues to add, and the mode that picks a tissue.
-import {byId, h} from '../elements/dom.js';
+import {byId, h, setText} from '../elements/dom.js';
 import {grouped, short} from '../elements/numbers.js';
 import {isoCommand, roundIso, toLine, word} from '../link/lines.js';
 import {plural, say} from '../texts/say.js';
@@ -40,13 +40,13 @@ export function createSurfaces(root, app, selection) {
     onclick: () => addSurface(app, selection)},
     say`+ Add`);
   root.append(h('h2', {class: 'spread'}, h('span', {}, say`Surfaces`), add), list, empty);
-  app.store.subscribe(['surfaces', 'volume'], state => {
+  app.store.follow(['surfaces', 'volume'], state => {
     const own = state.surfaces.filter(each => each.compared_with === '');
     selection.keepTo(own);
     empty.hidden = own.length > 0 || !state.volume;
-    empty.textContent = state.volume && mayBeHounsfield(state.volume)
+    setText(empty, state.volume && mayBeHounsfield(state.volume)
       ? say`No surfaces. Add a surface, or choose a tissue above.`
-      : say`No surfaces. Add a surface.`;
+      : say`No surfaces. Add a surface.`);
     add.disabled = !state.volume || own.length >= LIMITS.max_user_surfaces;
     for (const [name, card] of cards) {
       if (!own.some(each => each.name === name)) {

@@ -1,0 +1,68 @@
+// The page's store of the server's state, and how often its subscribers are called.
+import assert from 'node:assert/strict';
+import test, {mock} from 'node:test';
+import {paced} from '../../../host/serve/page/state/paced.js';
+import {Store} from '../../../host/serve/page/state/store.js';
+
+test('the store tells of what has changed, and of nothing else', () => {
+  const store = new Store();
+  /** @type {string[]} */
+  const told = [];
+  store.subscribe(['camera'], () => told.push('camera'));
+  store.subscribe(['size'], () => told.push('size'));
+  const state = /** @type {any} */ ({revision: 1, camera: {zoom: 1}, size: [1, 1]});
+  store.take(state);
+  store.take({...state, revision: 2, camera: {zoom: 1}});
+  store.take({...state, revision: 3, camera: {zoom: 2}});
+  assert.deepEqual(told, ['camera', 'size', 'camera']);
+});
+
+test('what is paced is done at once, then not too often, and at last once more', () => {
+  mock.timers.enable({apis: ['setTimeout']});
+  let time = 1000;
+  const done = [];
+  const act = paced(() => done.push(time), 100, () => time);
+  const at = next => {
+    mock.timers.tick(next - time);
+    time = next;
+    act();
+  };
+  act();
+  at(1040);
+  at(1099);
+  assert.deepEqual(done, [1000]);
+  time = 1100;
+  mock.timers.tick(1);
+  assert.deepEqual(done, [1000, 1100], 'the last calls had their effect');
+  at(1150);
+  at(1160);
+  time = 1200;
+  mock.timers.tick(40);
+  assert.deepEqual(done, [1000, 1100, 1200]);
+  at(1300);
+  assert.deepEqual(done, [1000, 1100, 1200, 1300], 'after a rest, at once');
+  mock.timers.tick(1000);
+  assert.equal(done.length, 4, 'no call without a reason');
+  mock.timers.reset();
+});
+
+test('a follower of the store gets the newest state, not each', () => {
+  mock.timers.enable({apis: ['setTimeout']});
+  const store = new Store();
+  const seen = [];
+  store.follow(['camera'], ({camera}) => seen.push(camera));
+  assert.deepEqual(seen, [], 'there is no state yet');
+  const zoomTo = (zoom, revision) =>
+    store.take(/** @type {any} */ ({revision, camera: zoom, size: [1, 1]}));
+  zoomTo(1, 1);
+  assert.deepEqual(seen, [1]);
+  zoomTo(2, 2);
+  zoomTo(3, 3);
+  mock.timers.tick(1000);
+  assert.equal(seen.at(-1), 3);
+  const {length} = seen;
+  zoomTo(3, 4);
+  mock.timers.tick(1000);
+  assert.equal(seen.length, length, 'the camera is the same');
+  mock.timers.reset();
+});
