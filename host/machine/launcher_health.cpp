@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <csignal>
+#include <cstddef>
 #include <cstring>
+#include <span>
 #include <utility>
 
 #include "host/base/error.hpp"
@@ -29,6 +31,12 @@ struct Step {
     int patience_ms;
 };
 constexpr std::array steps = {Step{SIGTERM, terminate_ms}, Step{SIGKILL, killed_ms}};
+
+/// Whether the host has sent this signal in one of the first `taken` steps.
+bool was_sent(int signal, std::size_t taken) {
+    return std::ranges::any_of(std::span(steps).first(taken),
+                               [signal](const Step& step) { return step.signal == signal; });
+}
 
 }  // namespace
 
@@ -317,9 +325,16 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
         }
         wait_for_event(static_cast<int>(deadline.left_ms(now_ms())));
         discard_messages(true);  // The last messages belong to the trace.
-        for (const Death& death : processes_.take_deaths()) {
+        for (Death& death : processes_.take_deaths()) {
             const bool expected = death.signal == 0 && death.exit_code == 0;
-            if (!cause && !expected && !was_dismissed(death)) {
+            if (cause || expected || was_dismissed(death)) {
+                continue;
+            }
+            if (was_sent(death.signal, step)) {
+                death.why = fmt::format("{} did not end on Shutdown; the host ended it with SIG{}",
+                                        death.name, sigabbrev_np(death.signal));
+                cause.emplace(timeout_code, describe(death));
+            } else {
                 cause.emplace(death.code(), describe(death));
             }
         }
