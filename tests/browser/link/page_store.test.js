@@ -1,6 +1,7 @@
-// The page's store of the server's state, and how often its subscribers are called.
+// The page's store of the server's state: its subscribers, how often they are called, old values.
 import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
+import {mayBeOld, touch} from '../../../host/serve/page/panel/gesture.js';
 import {paced} from '../../../host/serve/page/state/paced.js';
 import {Store} from '../../../host/serve/page/state/store.js';
 
@@ -65,4 +66,19 @@ test('a follower of the store gets the newest state, not each', () => {
   mock.timers.tick(1000);
   assert.equal(seen.length, length, 'the camera is the same');
   mock.timers.reset();
+});
+
+test('a value that is older than the input of a field is known as such, until it is equal', () => {
+  const field = value => /** @type {any} */ ({type: 'range', value, matches: () => false});
+  const slider = field('0.5');
+  assert.equal(mayBeOld(slider, '0.25'), false, 'it was not used');
+  touch(slider);
+  assert.equal(mayBeOld(slider, '0.25'), true);
+  assert.equal(mayBeOld(slider, '0.5'), false, 'the state has reached the input');
+  assert.equal(mayBeOld(slider, '0.25'), false, 'what follows is newer, for example an undo');
+  const tick = {...field('on'), type: 'checkbox', checked: true};
+  touch(tick);
+  assert.equal(mayBeOld(tick, false), true);
+  assert.equal(mayBeOld(tick, true), false);
+  assert.equal(mayBeOld(tick, false), false);
 });

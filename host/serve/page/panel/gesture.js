@@ -15,9 +15,7 @@ export function gesture(connection, act) {
   let isUnderWay = false;
   return {
     oninput: (/** @type {Event} */ {target}) => {
-      if (target) {
-        touched.set(target, performance.now());
-      }
+      touch(target);
       if (!isUnderWay) {
         isUnderWay = true;
         connection.mark();
@@ -29,15 +27,26 @@ export function gesture(connection, act) {
 }
 
 /**
- * Whether a value may be older than the last input of a slider: until the first value that is equal
- * to the input, but not for long.
- * @param {HTMLInputElement | HTMLSelectElement} slider  Its inputs are those of a gesture.
- * @param {string} value
+ * Notes an input, for mayBeOld().
+ * @param {EventTarget | null} field
  */
-export function mayBeOld(slider, value) {
-  if (slider.value === value) {
-    touched.delete(slider);
+export function touch(field) {
+  if (field) {
+    touched.set(field, performance.now());
   }
-  return slider.matches(':active') ||
-    performance.now() - (touched.get(slider) ?? -OLD_MS) < OLD_MS;
+}
+
+/**
+ * Whether a value may be older than the last input of a field: until the first value that is equal
+ * to the input, but not for long.
+ * @param {HTMLInputElement | HTMLSelectElement} field  touch() notes its inputs.
+ * @param {string | boolean} value  Of a checkbox: whether it is checked.
+ */
+export function mayBeOld(field, value) {
+  const now = 'checked' in field && field.type === 'checkbox' ? field.checked : field.value;
+  if (now === value) {
+    touched.delete(field);
+  }
+  return field.matches(':active') ||
+    performance.now() - (touched.get(field) ?? -OLD_MS) < OLD_MS;
 }

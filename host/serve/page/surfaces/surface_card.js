@@ -2,7 +2,7 @@
 import {DATA, ENGLISH, h, setText, update} from '../elements/dom.js';
 import {grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
-import {gesture, mayBeOld} from '../panel/gesture.js';
+import {gesture, mayBeOld, touch} from '../panel/gesture.js';
 import {plural, say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -76,6 +76,7 @@ export class SurfaceCard {
     this.visible_ = h('input', {type: 'checkbox', 'aria-label': say`Show ${name}`,
       'data-testid': `surface-visible-${name}`,
       onchange: () => {
+        touch(this.visible_);
         app.connection.mark();
         set({visible: this.visible_.checked ? 'yes' : 'no'});
       }});
@@ -158,7 +159,9 @@ export class SurfaceCard {
   /** @param {SurfaceState} surface */
   show(surface) {
     show(this.color_, surface.color);
-    this.visible_.checked = surface.visible;
+    if (!mayBeOld(this.visible_, surface.visible)) {
+      this.visible_.checked = surface.visible;
+    }
     // The field holds about ten characters; the tooltip has the whole value.
     show(this.iso_, plain(Number(surface.isovalue.toPrecision(ISO_DIGITS)), 6));
     update(this.iso_, {title: surface.isovalue});
