@@ -44,7 +44,7 @@ constexpr bool limits_data = true;
 
 namespace {
 
-constexpr int mutations = 2000;
+constexpr int mutations = 5000;
 constexpr rlim_t most_bytes = rlim_t{1} << 30;
 constexpr int most_cpu_s = 5;  ///< A longer import is a hang.
 
