@@ -9,15 +9,17 @@
 #include "host/base/error.hpp"
 #include "host/session/session.hpp"
 #include "tests/system/error_of.hpp"
+#include "tests/system/machine_of.hpp"
 #include "tests/system/session/canceling.hpp"
-#include "tests/system/session/machine_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
-using test::gray, test::machine_of;
+using test::machine_of;
 
 namespace {
+
+constexpr Color gray{160, 160, 160};
 
 /// Loads a sphere and shows it in a picture of this size.
 void show_sphere(Session& session, int width, int height, double isovalue) {
@@ -57,7 +59,7 @@ TEST_CASE("a frame asked for too early does not stand in the way of later ones")
 }
 
 TEST_CASE("when all GPs refuse a volume, the next volume is not blamed for it") {
-    test::SimulatedMachine machine(machine_of(4, 1, 1));
+    test::SimulatedMachine machine(machine_of(4, 1, 11, 1));
     Session session(machine);
     const std::string error = test::error_of([&] { session.volumes.load("phantom:head"); });
     CHECK(error.find("phantom:head") == 0);
@@ -73,7 +75,7 @@ TEST_CASE("surfaces that no GP has room for are drawn like others, and come back
     std::vector<Picture> pictures;
     std::vector<std::uint64_t> digests;
     for (const int memory_mib : {256, 6}) {
-        test::SimulatedMachine machine(machine_of(2, 1, memory_mib));
+        test::SimulatedMachine machine(machine_of(2, 1, 11, memory_mib));
         Session session(machine);
         session.volumes.load("phantom:letters");
         std::int64_t left_out = 0;
@@ -278,7 +280,7 @@ TEST_CASE("a GP that has no room for a canceled surface spoils neither the old n
     constexpr double empty = 30000, large = 100;  // Isovalues of the letters.
     for (std::uint64_t seed = 1; seed <= 30; ++seed) {
         CAPTURE(seed);
-        Topology topology = machine_of(2, 1, 6);
+        Topology topology = machine_of(2, 1, 11, 6);
         topology.seed = seed;
         test::SimulatedMachine machine(topology);
         Session session(machine);

@@ -5,22 +5,22 @@
 #include <utility>
 
 #include "host/session/session.hpp"
-#include "tests/system/session/machine_of.hpp"
+#include "tests/system/machine_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 using namespace pxpl5;
 using namespace pxpl5::host;
-using test::gray, test::machine_of;
+using test::machine_of;
 
 namespace {
 
-constexpr Color green{20, 200, 20};
+constexpr Color ivory{236, 226, 200}, green{20, 200, 20};
 
 /// An opaque surface "s" in a transparent one, "t".
 void show_layers(Session& session) {
     session.volumes.load("phantom:sphere");
     session.scene.size = {150, 130};
-    session.surfaces.set("s", 0.5, CaseRule::watertight, gray);
+    session.surfaces.set("s", 0.5, CaseRule::watertight, ivory);
     session.surfaces.set("t", 0.3, CaseRule::watertight, green);
     session.scene.surfaces[1].opacity = 6;
 }
@@ -59,7 +59,7 @@ TEST_CASE("announced layers are requested with the surface, and drawn once") {
     show_layers(session);
     const auto announce = [&](double isovalue) {
         session.frames.announce(Frames::Moving{session.scene.size, 0}, true);
-        session.surfaces.set("s", isovalue, CaseRule::watertight, gray);
+        session.surfaces.set("s", isovalue, CaseRule::watertight, ivory);
         REQUIRE(session.frames.has_frame_ahead());
     };
     announce(0.6);
@@ -99,7 +99,7 @@ TEST_CASE("a layer that would be the same is not drawn again") {
     CHECK(drawn() == 0);
     session.scene.surfaces[1].opacity = 9;
     CHECK(drawn() == 0);  // The host blends.
-    session.surfaces.set("s", 0.6, CaseRule::watertight, gray);
+    session.surfaces.set("s", 0.6, CaseRule::watertight, ivory);
     CHECK(drawn() == 1);
     session.surfaces.set("t", 0.2, CaseRule::watertight, green);
     CHECK(drawn() == 1);

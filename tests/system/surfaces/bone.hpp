@@ -8,19 +8,10 @@
 #include "host/base/error.hpp"
 #include "host/commands/commands.hpp"
 #include "host/session/session.hpp"
+#include "tests/system/machine_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
 namespace pxpl5::test {
-
-inline host::Topology machine_of(int gps, int renderers, std::uint64_t seed = 11) {
-    host::Topology topology;
-    topology.gp.count = gps;
-    topology.renderer.count = renderers;
-    topology.frame_buffer.count = 1;
-    topology.gp_memory_mib = 256;
-    topology.seed = seed;
-    return topology;
-}
 
 struct Bone {
     /// slabs_per_set  Size of the slice sets of a GP; 0: as the machine chooses.
