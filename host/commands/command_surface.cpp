@@ -1,9 +1,11 @@
 // Commands about isosurfaces: what they are and how they look.
-#include <fmt/core.h>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "host/base/error.hpp"
 #include "host/base/nearest.hpp"
@@ -107,6 +109,25 @@ Surface wished_surface(const Session& session, const std::optional<Surface>& kno
     return wish;
 }
 
+double share_of(int steps, int all) {
+    return static_cast<double>(steps) / all;
+}
+
+/// The style of a surface as it is drawn, in sixteenths; empty if it is opaque and visible.
+std::string style_text(const Surface& surface) {
+    std::vector<std::string> differs;
+    if (!surface.visible) {
+        differs.emplace_back("not visible");
+    }
+    if (surface.opacity != full_opacity) {
+        differs.push_back(fmt::format("opacity {}", share_of(surface.opacity, full_opacity)));
+    }
+    if (surface.rim != 0) {
+        differs.push_back(fmt::format("rim {}", share_of(surface.rim, max_rim)));
+    }
+    return differs.empty() ? "" : fmt::format("; {}", fmt::join(differs, ", "));
+}
+
 }  // namespace
 
 std::string left_out_text(const SurfaceReport& report) {
@@ -126,6 +147,9 @@ Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
     Fields fields = {{"name", surface.name},
                      {"isovalue", surface.isovalue},
                      {"table", enum_name(surface.table)},
+                     {"visible", surface.visible},
+                     {"opacity", share_of(surface.opacity, full_opacity)},
+                     {"rim", share_of(surface.rim, max_rim)},
                      {"triangles", report.triangles},
                      {"vertices", report.vertices},
                      {"cells_active", report.cells_active},
@@ -144,17 +168,18 @@ Fields surface_fields(const Surface& surface, const SurfaceReport& report) {
 
 std::string surface_text(const Surface& surface, const SurfaceReport& report) {
     if (report.triangles == 0) {  // All voxels are on one side; the text does not name the side.
-        return fmt::format("{}: isovalue {}, no triangles, extracted in {:.1f} ms", surface.name,
-                           surface.isovalue, report.elapsed_ms);
+        return fmt::format("{}: isovalue {}, no triangles, extracted in {:.1f} ms{}", surface.name,
+                           surface.isovalue, report.elapsed_ms, style_text(surface));
     }
     return fmt::format(
         "{}: isovalue {}, {} triangles, {} vertices, {:.1f} cm2, {:.1f} ml, extracted in {:.1f} "
-        "ms{}",
+        "ms{}{}",
         surface.name, surface.isovalue, report.triangles, report.vertices, report.area_mm2 / 100,
         report.volume_mm3 / 1000, report.elapsed_ms,
         report.slabs_left_out == 0 ? ""
                                    : fmt::format("; {} of {} slabs left out of memory",
-                                                 report.slabs_left_out, report.slabs.size()));
+                                                 report.slabs_left_out, report.slabs.size()),
+        style_text(surface));
 }
 
 Reply run_surface(Session& session, const Arguments& arguments) {

@@ -2,6 +2,7 @@
 #include <doctest/doctest.h>
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 #include "tests/system/surfaces/bone.hpp"
@@ -60,4 +61,19 @@ TEST_CASE("the rim is one of sixteen steps, and a wrong one is refused") {
           std::string::npos);
     CHECK(bone.refusal("surface bone rim=-0.1").find("rim: -0.1 is outside 0 .. 1") !=
           std::string::npos);
+}
+
+TEST_CASE("the reply says how a surface is drawn, in the steps that the machine has") {
+    Bone bone(machine_of(1, 1));
+    const auto has_style = [&](const std::string& line, const std::string& end) {
+        const std::string text = bone.run(line).text;
+        return text.ends_with(" ms" + end);
+    };
+    CHECK(has_style("surface bone iso=300", ""));
+    CHECK(has_style("surface bone opacity=0.3", "; opacity 0.3125"));
+    CHECK(has_style("surface bone rim=0.52", "; opacity 0.3125, rim 0.5"));
+    CHECK(has_style("surface bone visible=no opacity=1", "; not visible, rim 0.5"));
+    const std::string json = json_text(bone.run("surface bone opacity=0.1").fields);
+    CHECK_MESSAGE(json.find(R"("visible":false,"opacity":0.125,"rim":0.5)") != std::string::npos,
+                  json);
 }
