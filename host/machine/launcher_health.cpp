@@ -331,8 +331,10 @@ std::optional<MachineError> Launcher::end_processes(int grace_ms, Ending ending)
                 continue;
             }
             if (was_sent(death.signal, step)) {
-                death.why = fmt::format("{} did not end on Shutdown; the host ended it with SIG{}",
-                                        death.name, sigabbrev_np(death.signal));
+                death.why = fmt::format(
+                    "{0} did not end after Shutdown. The host ended {0} with "
+                    "SIG{1}",
+                    death.name, sigabbrev_np(death.signal));
                 cause.emplace(timeout_code, describe(death));
             } else {
                 cause.emplace(death.code(), describe(death));

@@ -199,7 +199,9 @@ TEST_CASE("a node that will not end is killed in the end, and named") {
         text = error.what();
     }
     CHECK_MESSAGE(
-        has(text, "framebuffer-0 did not end on Shutdown; the host ended it with SIGKILL"), text);
+        has(text,
+            "framebuffer-0 did not end after Shutdown. The host ended framebuffer-0 with SIGKILL"),
+        text);
     check_all_ended(nodes);
 }
 
