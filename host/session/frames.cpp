@@ -89,6 +89,7 @@ void Frames::request(const Scene& scene, const Stage& stage, ReadBack read_back,
 
 /// Returns whether drawing fails. Each GP reports a failed frame, and only the first fault counts.
 bool Frames::take_fault(std::uint32_t frame) {
+    ++frame_faults_;
     const bool is_pending = std::ranges::count(pending_, frame, &Pending::frame) != 0;
     if (is_pending && ahead_) {  // All frames in flight are then ahead.
         abandon();  // The next drawing requests the frame again, and reports its fault.

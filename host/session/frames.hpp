@@ -95,6 +95,7 @@ class Frames {
         Picture behind;   ///< Without the transparent surface.
         Picture front;    ///< With it, opaque. Only the pixels that show it have a depth.
         int opacity = 0;  ///< Sixteenths.
+        int drawn = 0;    ///< How many of the pictures were drawn for it; the others are kept.
     };
     /// Draws the scene with one sample per pixel, as two pictures with depths. Both are in flight
     /// at the same time, or were requested ahead. A picture that would be the same as the newest
@@ -119,7 +120,7 @@ class Frames {
     /// sample. Surfaces::set() then requests the frame together with the surface. Nothing: no such
     /// frame.
     ///
-    /// as_layers  draw_layers() follows, if it can draw the scene: its two frames are requested.
+    /// as_layers  draw_layers() follows, if it can draw the scene: its frames are requested.
     void announce(const std::optional<Moving>& moving, bool as_layers = false);
     /// Requests the announced frame, if any. The next drawing takes the frame if it shows what is
     /// drawn, else drops the frame.
@@ -177,7 +178,7 @@ class Frames {
         Picture picture;
         double moved_mm = 0;
     };
-    /// The picture behind and the picture in front, as the machine draws them.
+    /// A picture of layers, as the machine has drawn it, behind or in front.
     struct KeptLayer {
         std::uint64_t key = 0;  ///< Digest of the request and of what the GPs hold.
         Drawn drawn;
@@ -233,7 +234,8 @@ class Frames {
     std::deque<Pending> pending_;
     std::deque<Drawn> finished_;
     std::array<std::optional<KeptLayer>, 2> kept_layers_;  ///< The newest ones.
-    std::vector<CountedFrame> counted_;                    ///< Being drawn.
+    std::uint64_t frame_faults_ = 0;
+    std::vector<CountedFrame> counted_;  ///< Being drawn.
     /// Costs of the regions of the newest frame with one view, and with two.
     std::array<std::vector<std::uint64_t>, 2> region_costs_;
     std::vector<std::uint64_t> picture_costs_;  ///< Costs that the newest picture is shared by.

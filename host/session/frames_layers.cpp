@@ -60,12 +60,14 @@ std::optional<Frames::Layers> Frames::draw_layers_of(const Scene& scene, Stage p
     return take_layers(request_layers(scene, std::move(part), *layers));
 }
 
-/// Frames name the revisions of their surfaces, so that new surfaces are part of the request.
+/// Frames name the revisions of their surfaces, so that new surfaces are part of the request. A
+/// fault may come after its frame, which lacks triangles: what was drawn before it is not used.
 std::uint64_t Frames::key_of_layer(const Scene& scene, const Stage& part) const {
     Digest digest;
     const bus::Payload message = frame_request(scene, part, 0, {}, ReadBack::pixels_and_depths);
     digest.add(std::as_bytes(message.bytes()));
-    const std::array<std::uint64_t, 2> content = {volumes_.id(), conversation_.other_changes()};
+    const std::array<std::uint64_t, 3> content = {volumes_.id(), conversation_.other_changes(),
+                                                  frame_faults_};
     digest.add(std::as_bytes(std::span(content)));
     return digest.value();
 }
@@ -105,7 +107,10 @@ Frames::Layers Frames::take_layers(const LayersRequest& request) {
     }
     auto& [behind, front] = drawn;
     last_.moved_mm = std::max(behind.moved_mm, front.moved_mm);
-    if (request.is_drawn == std::array{false, false}) {
+    const auto count = static_cast<int>(std::ranges::count(request.is_drawn, true));
+    if (count == 0) {
+        last_.instructions = last_.renderer_cycles = 0;
+        std::ranges::fill(last_.region_cycles, 0);
         last_.elapsed_ms = ms_since(request.started_ns);
     }
     std::vector<std::uint32_t> rgba = front.picture.rgba.copy();
@@ -114,7 +119,7 @@ Frames::Layers Frames::take_layers(const LayersRequest& request) {
                  request.layers.entries_before);
     front.picture.rgba = std::move(rgba);
     front.picture.depths = std::move(depths);
-    return {std::move(behind.picture), std::move(front.picture), request.layers.opacity};
+    return {std::move(behind.picture), std::move(front.picture), request.layers.opacity, count};
 }
 
 void Frames::announce(const std::optional<Moving>& moving, bool as_layers) {

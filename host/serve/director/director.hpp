@@ -180,6 +180,7 @@ class Director {
         bool read_depths = false;  ///< The resting picture of one sample was drawn with depths.
         Camera camera = {};
         std::uint32_t layers_revision = 0;  ///< The newest frame with layers; 0: none.
+        bool is_whole = true;  ///< No part of the newest moving picture was kept (SES-23).
     };
 
     /// The headset that one viewer wears.

@@ -15,6 +15,8 @@ namespace pxpl5::host::serve {
 
 namespace {
 
+constexpr int layers_of_a_picture = 2;
+
 OnePicture one_picture(Picture picture) {
     return {picture.width, picture.height, std::move(picture.rgba)};
 }
@@ -89,6 +91,7 @@ bool Director::draw_layers() {
     if (!layers) {
         return false;
     }
+    shown_.is_whole = layers->drawn == layers_of_a_picture;
     Shown frame;
     frame.width = layers->behind.width;
     frame.height = layers->behind.height;
@@ -109,7 +112,8 @@ bool Director::draw_layers() {
 bool Director::draw_blended() {
     const std::optional<Frames::Layers> layers = session_->frames.draw_layers();
     if (layers) {
-        const auto& [behind, front, opacity] = *layers;
+        const auto& [behind, front, opacity, drawn] = *layers;
+        shown_.is_whole = drawn == layers_of_a_picture;
         show({behind.width, behind.height, blended(stacked(behind.rgba, front.rgba), 1, opacity)},
              1, false, false);
     }
@@ -209,6 +213,7 @@ bool Director::draw_moving() {
     }
     const std::int64_t start_ns = parts_.clock_ns();
     const std::uint32_t revision = revision_;
+    shown_.is_whole = true;
     guard("drawing", [&] {
         draw_as_moving([&] {
             // Viewers need the layers themselves only while the camera moves.
@@ -221,7 +226,7 @@ bool Director::draw_moving() {
             }
         });
     });
-    pace_.drawn(since_ms(start_ns));
+    pace_.drawn(since_ms(start_ns), shown_.is_whole);
     headset_.had_turn = false;
     shown_.time_ns = parts_.clock_ns();
     shown_.revision = revision;  // Also after a failure: the next change tries again.

@@ -19,13 +19,13 @@ double Pace::scale() const {
     return scales[static_cast<std::size_t>(step_)];
 }
 
-void Pace::drawn(double ms) {
+void Pace::drawn(double ms, bool is_whole) {
     if (ms > goal_ms) {
         step_ += step_ + 1 < static_cast<int>(scales.size()) ? 1 : 0;
         quick_ = 0;
         return;
     }
-    if (step_ == 0) {
+    if (step_ == 0 || !is_whole) {
         return;
     }
     const double growth = scales[static_cast<std::size_t>(step_) - 1] / scale();

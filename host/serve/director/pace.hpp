@@ -12,7 +12,10 @@ class Pace {
   public:
     double scale() const;
     /// Reports the total time of a frame at scale().
-    void drawn(double ms);
+    ///
+    /// is_whole  False if a part of the picture was kept from an earlier frame. The time then says
+    ///           nothing about a larger size, at which all would be drawn.
+    void drawn(double ms, bool is_whole = true);
 
   private:
     int step_ = 0;   ///< Index into the list of scales.

@@ -8,7 +8,7 @@
 
 namespace pxpl5::host {
 
-/// Sums over all passes and layers of a picture.
+/// Sums over all passes and layers that were drawn for a picture.
 struct FrameReport {
     std::uint32_t frame = 0;           ///< Number of the last pass.
     std::int64_t instructions = 0;     ///< Executed by all Renderers.

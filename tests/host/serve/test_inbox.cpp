@@ -184,6 +184,16 @@ TEST_SUITE("host/serve/pace") {
         pace.drawn(10);
         CHECK(pace.scale() == 1);
     }
+
+    TEST_CASE("a frame with a kept part makes the next ones smaller, but never larger") {
+        Pace pace;
+        pace.drawn(41, false);
+        CHECK(pace.scale() == 0.75);
+        for (int i = 0; i < 100; ++i) {
+            pace.drawn(1, false);
+        }
+        CHECK(pace.scale() == 0.75);
+    }
 }
 
 TEST_SUITE("host/serve/viewer_message") {

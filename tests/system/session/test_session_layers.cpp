@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "host/session/session.hpp"
+#include "tests/system/error_of.hpp"
 #include "tests/system/machine_of.hpp"
 #include "tests/system/simulated_machine.hpp"
 
@@ -32,7 +33,7 @@ bool are_same(const Frames::Layers& a, const Frames::Layers& b) {
 }
 
 /// The layers as a session draws them that has kept none.
-Frames::Layers drawn_anew(const Scene& scene, const ComponentFilter& parts_of_t = {}) {
+Frames::Layers drawn_by_a_new_session(const Scene& scene, const ComponentFilter& parts_of_t = {}) {
     test::SimulatedMachine machine(machine_of(1, 1));
     Session session(machine);
     show_layers(session);
@@ -65,10 +66,10 @@ TEST_CASE("announced layers are requested with the surface, and drawn once") {
     announce(0.6);
     const Frames::Layers ahead = session.frames.draw_layers().value();
     CHECK_FALSE(session.frames.has_frame_ahead());
-    CHECK(are_same(ahead, drawn_anew(session.scene)));
+    CHECK(are_same(ahead, drawn_by_a_new_session(session.scene)));
     const std::uint32_t after = session.frames.last().frame;
     announce(0.7);
-    CHECK(are_same(session.frames.draw_layers().value(), drawn_anew(session.scene)));
+    CHECK(are_same(session.frames.draw_layers().value(), drawn_by_a_new_session(session.scene)));
     CHECK(session.frames.last().frame == after + 1);  // The front is the same.
     // Another picture drops the frames.
     const Picture expected = session.frames.draw();
@@ -80,7 +81,7 @@ TEST_CASE("announced layers are requested with the surface, and drawn once") {
     session.scene.camera.angles.azimuth_deg = 70;
     const Frames::Layers turned = session.frames.draw_layers().value();
     CHECK(turned.front.rgba != ahead.front.rgba);
-    CHECK(are_same(turned, drawn_anew(session.scene)));
+    CHECK(are_same(turned, drawn_by_a_new_session(session.scene)));
 }
 
 TEST_CASE("a layer that would be the same is not drawn again") {
@@ -91,7 +92,7 @@ TEST_CASE("a layer that would be the same is not drawn again") {
     /// Draws, and returns how many frames the machine has drawn for it.
     const auto drawn = [&](const ComponentFilter& parts_of_t = {}) {
         const Frames::Layers layers = session.frames.draw_layers().value();
-        CHECK(are_same(layers, drawn_anew(session.scene, parts_of_t)));
+        CHECK(are_same(layers, drawn_by_a_new_session(session.scene, parts_of_t)));
         const std::uint32_t before = std::exchange(frame, session.frames.last().frame);
         return frame - before;
     };
@@ -117,6 +118,22 @@ TEST_CASE("a layer that would be the same is not drawn again") {
     CHECK(drawn(none) == 2);
     session.surfaces.set_components("t", {});
     CHECK(drawn() == 2);
+    // A failed frame may have been drawn without its triangles.
+    --session.scene.surfaces[0].revision;
+    CHECK_FALSE(test::error_of([&] { session.frames.draw(); }).empty());
+    ++session.scene.surfaces[0].revision;
+    CHECK(drawn() == 3);  // The failed frame has a number, too.
+}
+
+TEST_CASE("no layer is kept from before a restart of the machine") {
+    test::SimulatedMachine machine(machine_of(2, 2));
+    Session session(machine);
+    show_layers(session);
+    session.frames.draw_layers();
+    const std::uint32_t before = session.frames.last().frame;
+    session.frames.forget_content();
+    CHECK(are_same(session.frames.draw_layers().value(), drawn_by_a_new_session(session.scene)));
+    CHECK(session.frames.last().frame == before + 2);
 }
 
 TEST_CASE("no layer is kept for another volume") {
@@ -126,6 +143,6 @@ TEST_CASE("no layer is kept for another volume") {
     session.frames.draw_layers();
     const std::uint32_t before = session.frames.last().frame;
     show_layers(session);
-    CHECK(are_same(session.frames.draw_layers().value(), drawn_anew(session.scene)));
+    CHECK(are_same(session.frames.draw_layers().value(), drawn_by_a_new_session(session.scene)));
     CHECK(session.frames.last().frame == before + 2);
 }
