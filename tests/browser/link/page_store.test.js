@@ -1,7 +1,7 @@
 // The page's store of the server's state: its subscribers, how often they are called, old values.
 import assert from 'node:assert/strict';
 import test, {mock} from 'node:test';
-import {mayBeOld, touch} from '../../../host/serve/page/panel/gesture.js';
+import {mayBeOld, show, touch} from '../../../host/serve/page/panel/gesture.js';
 import {paced} from '../../../host/serve/page/state/paced.js';
 import {Store} from '../../../host/serve/page/state/store.js';
 
@@ -18,7 +18,7 @@ test('the store tells of what has changed, and of nothing else', () => {
   assert.deepEqual(told, ['camera', 'size', 'camera']);
 });
 
-test('what is paced is done at once, then not too often, and at last once more', () => {
+test('a paced function acts at once, then not too often, and once more at the end', () => {
   mock.timers.enable({apis: ['setTimeout']});
   let time = 1000;
   const done = [];
@@ -81,4 +81,36 @@ test('a value that is older than the input of a field is known as such, until it
   assert.equal(mayBeOld(tick, false), true);
   assert.equal(mayBeOld(tick, true), false);
   assert.equal(mayBeOld(tick, false), false);
+});
+
+test('a value that may be old is shown later, unless a newer one comes', () => {
+  mock.timers.enable({apis: ['setTimeout']});
+  let time = 1000;
+  mock.method(performance, 'now', () => time);
+  const wait = ms => {
+    time += ms;
+    mock.timers.tick(ms);
+  };
+  const tick = /** @type {any} */ ({type: 'checkbox', checked: true, matches: () => false});
+  touch(tick);
+  show(tick, false);
+  assert.equal(tick.checked, true, 'the state of before the input');
+  wait(100);
+  show(tick, true);
+  show(tick, false);
+  assert.equal(tick.checked, false, 'the input, and an undo');
+  touch(tick);
+  tick.checked = true;
+  show(tick, false);
+  wait(1000);
+  assert.equal(tick.checked, false, 'the command failed: the state does not change');
+  const slider = /** @type {any} */ ({type: 'range', value: '0.5', matches: () => false});
+  touch(slider);
+  show(slider, '0.25');
+  show(slider, '0.375');
+  assert.equal(slider.value, '0.5');
+  wait(1000);
+  assert.equal(slider.value, '0.375', 'the newest of both');
+  mock.reset();
+  mock.timers.reset();
 });

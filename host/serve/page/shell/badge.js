@@ -30,14 +30,14 @@ export function createBadge(app) {
   root.append(quality, label, digest, h('span', {class: 'grow'}), speed, size, sizeMenu(app));
   /** @type {number[]} */
   let times = [];
-  let told = 0;  // Time of the shown speed.
+  let shownAt = -Infinity;  // Time of the shown speed.
   app.picture.onShown((header, at) => {
     times = [...times.filter(each => at - each < RATE_OVER_MS), at];
     const [now, before] = [at, times[0]];
     const rate = times.length > 2 ? (times.length - 1) / (now - before) * 1000 : 0;
     showQuality();
-    if (header.rests || at - told > READ_MS) {
-      told = at;
+    if (header.rests || at - shownAt > READ_MS) {
+      shownAt = at;
       setText(speed, `${grouped(header.machine_ms)} ms`
         + (rate > 0 && !header.rests ? ` · ${say`${grouped(rate)} frames/s`}` : ''));
     }
@@ -59,6 +59,7 @@ export function createBadge(app) {
   };
   app.picture.onChange(showQuality);
   app.picture.onCleared(() => {
+    shownAt = -Infinity;
     for (const text of [quality, digest, speed, size]) {
       text.textContent = '';
     }

@@ -12,7 +12,7 @@ export function createPrint(app) {
   const title = h('h2', {}, say`Measurements`);
   byId('print').append(h('h2', {}, say`Surfaces`), surfaces, title, measures);
   const unit = () => app.store.state?.volume?.unit ?? '';
-  app.store.follow(['surfaces', 'volume'], state => {
+  const list = (/** @type {import('../link/vocabulary.js').State} */ state) => {
     surfaces.replaceChildren(...state.surfaces.filter(({visible}) => visible).map(each => {
       const swatch = h('i', {class: 'swatch'});
       swatch.style.backgroundColor = each.color;
@@ -21,6 +21,12 @@ export function createPrint(app) {
         each.opacity < 1 && `, ${say`opacity ${percent(each.opacity)}`}`,
         each.rim > 0 && `, ${say`edge light ${percent(each.rim)}`}`);
     }));
+  };
+  app.store.follow(['surfaces', 'volume'], list);
+  addEventListener('beforeprint', () => {
+    if (app.store.state) {
+      list(app.store.state);
+    }
   });
   app.measures.watch(() => {
     title.hidden = app.measures.list.length === 0;

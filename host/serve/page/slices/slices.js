@@ -202,6 +202,12 @@ export class SlicesPanel {
     store.subscribe(['volume'], state => this.open(state.volume));
     store.subscribe(['surfaces', 'clips'], state => setText(this.beyond, beyond(state)));
     store.subscribe(['clips'], () => this.cut());
+    // The lines of a slice that is asked for now are those of the newest state.
+    store.subscribe(['surfaces'], ({surfaces}) => {
+      this.contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
+        [name, isovalue, color, visible]));
+    });
+    let drawn = '';
     store.follow(['surfaces'], ({surfaces}) => {
       const names = surfaces.filter(each => each.compared_with === '').map(({name}) => name);
       if (names.join() !== [...this.target.options].map(({value}) => value).join()) {
@@ -209,10 +215,8 @@ export class SlicesPanel {
         this.target.value = selection.name;
       }
       // During a drag only the large slice is updated; the small slices follow at rest.
-      const contours = JSON.stringify(surfaces.map(({name, isovalue, color, visible}) =>
-        [name, isovalue, color, visible]));
-      if (contours !== this.contours) {
-        this.contours = contours;
+      if (drawn !== this.contours) {
+        drawn = this.contours;
         this.refresh(isLarge);
         clearTimeout(this.resting);
         this.resting = setTimeout(() => this.refresh(), REST_MS);

@@ -1,8 +1,8 @@
 // Limits how often something is done.
 
 /**
- * A function that calls `act` at once, but not again for a time. Calls in between lead to one call
- * at the end of this time, so the last one always has its effect.
+ * Returns a function that calls `act` at once, but not again for a time. Calls in between lead to
+ * one call at the end of this time, so the last one always has its effect.
  * @param {() => void} act
  * @param {number} ms
  * @param {() => number} [now]  Milliseconds of a clock.

@@ -36,8 +36,8 @@ export class Store {
   }
 
   /**
-   * As `subscribe`, for texts and lists that a person reads: during a drag they change at most ten
-   * times a second, which leaves the time for the picture. `act` gets the newest state.
+   * Calls `act` like `subscribe`, but at most ten times a second, with the newest state. This is
+   * for texts and lists that a person reads: during a drag the time goes to the picture.
    * @param {Key[]} keys
    * @param {(state: State) => void} act
    */

@@ -2,10 +2,9 @@
 import {h} from '../elements/dom.js';
 import {short} from '../elements/numbers.js';
 import {plain} from '../link/lines.js';
-import {gesture} from '../panel/gesture.js';
+import {gesture, show} from '../panel/gesture.js';
 import {SIDES} from '../picture/projection.js';
 import {say} from '../texts/say.js';
-import {show} from './surface_card.js';
 
 /** @typedef {import('../panel/app.js').App} App */
 /** @typedef {import('../link/vocabulary.js').ClipState} ClipState */

@@ -1,9 +1,8 @@
 // Light and material: lights as dots on a ball, material, background, tint of gaps, detail.
 import {h, s, update} from '../elements/dom.js';
 import {plain} from '../link/lines.js';
-import {gesture} from '../panel/gesture.js';
+import {gesture, show, touch} from '../panel/gesture.js';
 import {say} from '../texts/say.js';
-import {show} from './surface_card.js';
 import {LIMITS} from '../link/vocabulary.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -252,8 +251,10 @@ function createMaterial(root, app) {
     ...gesture(app.connection,
       () => void app.connection.set({name: 'background', words: [color.value]}))});
   const gaps = h('input', {type: 'checkbox', 'data-testid': 'tint-gaps',
-    onchange: () => void app.connection.set({name: 'tint',
-      words: [gaps.checked ? 'gaps' : 'off']})});
+    onchange: () => {
+      touch(gaps);
+      void app.connection.set({name: 'tint', words: [gaps.checked ? 'gaps' : 'off']});
+    }});
   const gapLabel = h('label', {class: 'row'}, gaps, say`Tint where slices are missing`);
   const detail = h('select', {'data-testid': 'detail', onchange: async () => {
     detail.blur();
@@ -277,7 +278,7 @@ function createMaterial(root, app) {
       show(input, String(state.material[key]));
     }
     show(color, state.background);
-    gaps.checked = state.tint_gaps;
+    show(gaps, state.tint_gaps);
     gapLabel.hidden = (state.volume?.gaps ?? 0) === 0;
   });
   app.store.subscribe(['detail', 'stereo'], state => {

@@ -2,7 +2,7 @@
 import {DATA, ENGLISH, h, setText, update} from '../elements/dom.js';
 import {grouped, percent, rewritten, short} from '../elements/numbers.js';
 import {isoCommand, plain, word} from '../link/lines.js';
-import {gesture, mayBeOld, touch} from '../panel/gesture.js';
+import {gesture, show, touch} from '../panel/gesture.js';
 import {plural, say} from '../texts/say.js';
 
 /** @typedef {import('../panel/app.js').App} App */
@@ -13,19 +13,6 @@ const TABLE_NAMES = new Map([['watertight', say`watertight`], ['lorensen1987', s
   ['asymptotic', say`asymptotic decider`]]);
 const LEAST_ML = [0.1, 1, 10, 100];
 const ISO_DIGITS = 7;  // Significant digits of an isovalue in its field.
-
-/**
- * Shows a value unless the user is editing the field. A slider keeps the focus when the user has
- * moved it, and shows what follows, for example an undo.
- * @param {HTMLInputElement | HTMLSelectElement} input
- * @param {string} value
- */
-export function show(input, value) {
-  if (document.activeElement !== input || input.type === 'checkbox' ||
-      (input.type === 'range' && !mayBeOld(input, value))) {
-    input.value = value;
-  }
-}
 
 /**
  * Says that a surface has no triangles, and why if its isovalue is outside of the volume's range.
@@ -119,7 +106,7 @@ export class SurfaceCard {
     /** @private */
     this.certificate_ = h('div', {class: 'certificate',
       'data-testid': `surface-certificate-${name}`});
-    /** @private The isovalue and table of the certificate. */
+    /** @private The isovalue, the table and the volume of the certificate. */
     this.certified_ = '';
     /** @private Whether the button that checks the mesh is shown. */
     this.offers_ = false;
@@ -158,10 +145,9 @@ export class SurfaceCard {
 
   /** @param {SurfaceState} surface */
   show(surface) {
+    const volume = this.app_.store.state?.volume ?? null;
     show(this.color_, surface.color);
-    if (!mayBeOld(this.visible_, surface.visible)) {
-      this.visible_.checked = surface.visible;
-    }
+    show(this.visible_, surface.visible);
     // The field holds about ten characters; the tooltip has the whole value.
     show(this.iso_, plain(Number(surface.isovalue.toPrecision(ISO_DIGITS)), 6));
     update(this.iso_, {title: surface.isovalue});
@@ -170,12 +156,12 @@ export class SurfaceCard {
     show(this.rim_, String(surface.rim));
     setText(this.rimText_, percent(surface.rim));
     setText(this.facts_, surface.triangles === 0
-      ? nothingAt(surface.isovalue, this.app_.store.state?.volume) : sizes(surface));
+      ? nothingAt(surface.isovalue, volume) : sizes(surface));
     update(this.title_, {title: surface.table === 'watertight' ? surface.name
       : say`${surface.name}, table ${surface.table}`});
     this.showParts_(surface.components);
     update(this.parts_, {title: this.parts_.value === 'other' ? surface.components : ''});
-    const certified = `${surface.isovalue} ${surface.table}`;
+    const certified = `${surface.isovalue} ${surface.table} ${volume?.identity}`;
     if (certified !== this.certified_) {
       this.certified_ = certified;
       if (!this.offers_) {
@@ -280,6 +266,7 @@ export class SurfaceCard {
     if (of !== this.certified_) {
       return;
     }
+    this.offers_ = false;
     const facts = reply.result?.certificates?.[0];
     if (!reply.ok || !facts) {
       this.offerCertificate_();

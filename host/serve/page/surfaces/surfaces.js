@@ -40,9 +40,11 @@ export function createSurfaces(root, app, selection) {
     onclick: () => addSurface(app, selection)},
     say`+ Add`);
   root.append(h('h2', {class: 'spread'}, h('span', {}, say`Surfaces`), add), list, empty);
+  const ownOf = (/** @type {State} */ {surfaces}) =>
+    surfaces.filter(each => each.compared_with === '');
+  app.store.subscribe(['surfaces', 'volume'], state => selection.keepTo(ownOf(state)));
   app.store.follow(['surfaces', 'volume'], state => {
-    const own = state.surfaces.filter(each => each.compared_with === '');
-    selection.keepTo(own);
+    const own = ownOf(state);
     empty.hidden = own.length > 0 || !state.volume;
     setText(empty, state.volume && mayBeHounsfield(state.volume)
       ? say`No surfaces. Add a surface, or choose a tissue above.`
