@@ -210,7 +210,8 @@ export class SlicesPanel {
     let drawn = '';
     store.follow(['surfaces'], ({surfaces}) => {
       const names = surfaces.filter(each => each.compared_with === '').map(({name}) => name);
-      if (names.join() !== [...this.target.options].map(({value}) => value).join()) {
+      const listed = [...this.target.options].map(({value}) => value);
+      if (JSON.stringify(names) !== JSON.stringify(listed)) {  // A name may have a comma.
         this.target.replaceChildren(...names.map(name => h('option', {value: name}, name)));
         this.target.value = selection.name;
       }
